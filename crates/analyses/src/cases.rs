@@ -251,13 +251,7 @@ impl CaseStructure {
     }
 
     pub(super) fn solver(&self) -> Solver<'_> {
-        Solver {
-            model: &self.model,
-            options: &self.options,
-            loop_elements: &[],
-            neighbours: &[],
-            beside: None,
-        }
+        Solver::of(&self.model, &self.options)
     }
 
     /// The interface of a case. Asperities are those of `known`, an interface with the same [`CaseKeys::surface`]; the result is the same
@@ -269,7 +263,8 @@ impl CaseStructure {
         check_bolts(case, self.model.reduced.loads.len())?;
         let (mesh, parts) = (self.structure.interface(), &self.structure.joint.parts);
         let load = closing_force(case, &self.model);
-        Ok(SceneInterface::knowing(known, case, mesh, parts, load)?)
+        let interface = SceneInterface::knowing(known, case, mesh, parts, load)?;
+        self.solver().settled(case, interface, &Silent)
     }
 
     /// The backbones of a case with its interface, mode by mode.

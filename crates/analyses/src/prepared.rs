@@ -15,7 +15,7 @@ use crate::Error;
 use cqsma_solver::Limits;
 use joint_model::InterfacePart;
 use joints::interface::{InterfaceForce, SceneInterface};
-use joints::progress::{Progress, Stage, end_stage, go_on};
+use joints::progress::{Progress, Silent, Stage, end_stage, go_on};
 use joints::store::Options;
 use joints::structure::{StructuralModel, Structure};
 use scenes::{Parameter, Scene};
@@ -123,6 +123,7 @@ impl Prepared {
         let limits = Limits::default().until(&stop);
         let interface = SceneInterface::within(limits, scene, structure.interface(), &structure.joint.parts, load)?;
         interface.notes().for_each(|note| progress.note(&note));
+        let interface = Solver::of(&model, options).settled(scene, interface, progress)?;
         end_stage(progress, Stage::Characterise)?;
         let (neighbours, differenced) = Neighbours::of(scene, structure, &model, &interface, progress)?;
         Ok(Self {
@@ -227,8 +228,9 @@ impl Prepared {
     pub(super) fn beside(&self) -> Option<Vec<Beside>> {
         let load = closing_force(&self.scene, &self.model);
         let (mesh, parts) = &self.faces;
+        let settled = |scene: &Scene, other| self.solver().settled(scene, other, &Silent).ok();
         (self.scene.analyses.backbone.amplitudes > 0)
-            .then(|| walks::beside(&self.scene, (mesh, parts), &self.interface, load))
+            .then(|| walks::beside(&self.scene, (mesh, parts), &self.interface, load, settled))
     }
 
     /// What solves need of it.

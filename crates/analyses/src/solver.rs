@@ -10,7 +10,7 @@ use super::tightening::{TighteningResult, tighten};
 use super::walks::{AtRest, Beside, Walks};
 use crate::Error;
 use cqsma_solver::NewtonSettings;
-use joints::interface::InterfaceForce;
+use joints::interface::{InterfaceForce, SceneInterface};
 use joints::progress::{Progress, Quiet, Stage, end_stage};
 use joints::store::Options;
 use joints::store::checkpoint::Checkpoints;
@@ -33,6 +33,19 @@ pub(super) struct Solver<'a> {
     pub(super) neighbours: &'a [Neighbours],
     /// Interfaces with another number of a setting, if errors of loops are to be estimated.
     pub(super) beside: Option<&'a [Beside]>,
+}
+
+impl<'a> Solver<'a> {
+    /// Without loops of elements, derivatives and errors.
+    pub(super) fn of(model: &'a StructuralModel, options: &'a Options) -> Self {
+        Self {
+            model,
+            options,
+            loop_elements: &[],
+            neighbours: &[],
+            beside: None,
+        }
+    }
 }
 
 impl Solver<'_> {
@@ -73,6 +86,28 @@ impl Solver<'_> {
         };
         end_stage(progress, Stage::Prestress)?;
         Ok(found)
+    }
+
+    /// An interface whose laws follow its pressures at rest, where it has such laws. One without a static state stays as it is: what needs the
+    /// state says why there is none.
+    ///
+    /// # Errors
+    /// An interruption; of the laws.
+    pub(super) fn settled(
+        &self,
+        scene: &Scene,
+        interface: SceneInterface,
+        progress: &dyn Progress,
+    ) -> Result<SceneInterface, Error> {
+        let load = closing_force(scene, self.model);
+        if !interface.follows_rest(load) {
+            return Ok(interface);
+        }
+        match self.static_state(scene, &interface.interface, interface.closure, &Quiet(progress)) {
+            Ok((found, _)) => Ok(interface.about(&found.fields.traction[2], load)?),
+            Err(error) if error.is_interruption() => Err(error),
+            Err(_) => Ok(interface),
+        }
     }
 
     /// Static states of the interfaces with another number of a setting; none of one that has none.

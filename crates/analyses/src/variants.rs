@@ -475,6 +475,7 @@ impl<'a> Variants<'a> {
         let (mesh, parts) = (self.structure.interface(), &self.structure.joint.parts);
         let load = closing_force(&scene, &model);
         let interface = SceneInterface::knowing(Some(self.prepared.interface()), &scene, mesh, parts, load)?;
+        let interface = Solver::of(&model, &self.prepared.options).settled(&scene, interface, progress)?;
         let neighbours = match rates {
             Rates::None => Vec::new(),
             Rates::WhereTheyCostLittle => Neighbours::without_reduction(&scene, self.parameters.iter(), &interface)?,

@@ -58,6 +58,7 @@ pub(super) fn beside(
     (mesh, parts): (&InterfaceMesh, &[InterfacePart]),
     interface: &SceneInterface,
     load: f64,
+    settled: impl Fn(&Scene, SceneInterface) -> Option<SceneInterface>,
 ) -> Vec<Beside> {
     let bins = bins(&interface.reports);
     let many = match scene.interfaces.law.friction() {
@@ -78,7 +79,12 @@ pub(super) fn beside(
             _ => 2 * number,
         };
         let scene = dial.with(scene, other);
-        let interface = SceneInterface::knowing(Some(interface), &scene, mesh, parts, load).ok();
+        let other = SceneInterface::knowing(Some(interface), &scene, mesh, parts, load).ok();
+        let interface = match (dial, interface.pressures_at_rest(load)) {
+            // Other points have other pressures.
+            (Dial::Points, _) | (_, None) => other.and_then(|other| settled(&scene, other)),
+            (_, Some(pressures)) => other.and_then(|other| other.about(&pressures, load).ok()),
+        };
         Some(Beside { dial, interface })
     };
     [Dial::Points, Dial::Bins, Dial::Radii]

@@ -88,7 +88,7 @@ pub use curves::sampled::SampledCurves;
 pub use curves::table::{TableOptions, Tabulated};
 pub use curves::{CURVES, ContactCurves, CurveBlock, CurveFactors, CurvesInfo, Exponents, PointCurves};
 pub use error::{Error, Place};
-pub use friction::foundation::{Foundation, FoundationLaw};
+pub use friction::foundation::{Foundation, FoundationLaw, Growth};
 pub use friction::linearised::{LinearisedContact, StaticPoint};
 pub use friction::radii::Radii;
 pub use friction::resolved::{AsperityFriction, ResolvedLaw};

@@ -123,7 +123,8 @@ pub enum Bins {
     /// ([`contact_laws::AsperityBins::errors`], amplitudes from a tenth of gross slip).
     Error(f64),
     /// So many Gauss bins, an even number, up to the largest interference expected
-    /// ([`contact_laws::AsperityBins::gauss`]).
+    /// ([`contact_laws::AsperityBins::gauss`]); springs of a foundation are placed about the interference of each point under the bolt loads
+    /// ([`contact_laws::Growth::springs_about`]).
     Gauss(usize),
     /// So many equally spaced gaps, the same at every point.
     EquallySpaced(usize),

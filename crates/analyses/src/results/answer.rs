@@ -1,9 +1,12 @@
 //! What a run found, in as few numbers as a reader needs: frequency and damping of each mode with their intervals, where slip begins, what
 //! limits the result and whether it can be relied on.
 
-use super::summary::{BackboneSummary, Status, Summary};
+use super::amplitudes::{BackboneSummary, Status};
 use crate::dials::{Dial, DialError};
+use crate::error_bar::ErrorBar;
 use crate::uncertainty::{Band, Spread};
+use crate::validity::Validity;
+use crate::warnings::Warning;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -94,22 +97,25 @@ impl Verdict {
     }
 }
 
-/// The answers of all modes followed.
-pub fn answers(summary: &Summary) -> Vec<Answer> {
-    let first = summary.backbones.first().map(|of| of.mode);
-    let followed = summary.scene.pointer("/analyses/modes/followed/0");
-    let first = first.or_else(|| followed?.as_u64()?.try_into().ok()).unwrap_or(1);
-    let modes = summary.by_mode();
-    modes
-        .filter_map(|(mode, of_mode)| answer(mode.unwrap_or(first), &of_mode))
-        .collect()
+/// What an answer is made of.
+pub(super) struct Found<'a> {
+    /// The mode, counted from 1.
+    pub(super) mode: usize,
+    /// Its linearised frequency (Hz).
+    pub(super) frequency_hz: f64,
+    pub(super) backbone: &'a [BackboneSummary],
+    pub(super) error_bar: &'a ErrorBar,
+    /// By uncertain inputs: the linearised mode, and then amplitudes; empty without samples.
+    pub(super) bands: &'a [Band],
+    pub(super) warnings: &'a [Warning],
+    pub(super) validity: &'a Validity,
 }
 
-fn answer(mode: usize, summary: &Summary) -> Option<Answer> {
-    let frequency_hz = summary.modes.get(mode - 1)?.frequency_hz;
+/// The answer of a mode.
+pub(super) fn answer(found: &Found<'_>) -> Answer {
     let of_mesh = DialError {
-        frequency_relative: summary.model.error_bar.frequency_relative,
-        damping_ln: summary.model.error_bar.damping_ln,
+        frequency_relative: found.error_bar.frequency_relative,
+        damping_ln: found.error_bar.damping_ln,
     };
     let error = |point: &BackboneSummary| match &point.error {
         // Without the part of the mesh it is none of the whole.
@@ -119,31 +125,26 @@ fn answer(mode: usize, summary: &Summary) -> Option<Answer> {
         },
         _ => of_mesh,
     };
-    let linear_error = summary
+    let linear_error = found
         .backbone
         .iter()
         .find(|point| point.converged)
         .map_or(of_mesh, error);
-    let bands = summary
-        .uncertainty
-        .as_ref()
-        .and_then(|found| found.modes.iter().find(|of| of.mode == mode));
-    let bands = bands.map_or(&[][..], |of| &of.bands);
-    let damping: Vec<AtAmplitude> = amplitudes(&summary.backbone)
+    let damping: Vec<AtAmplitude> = amplitudes(found.backbone)
         .into_iter()
-        .filter_map(|amplitude| at(amplitude, &summary.backbone, bands, &error))
+        .filter_map(|amplitude| at(amplitude, found.backbone, found.bands, &error))
         .collect();
-    let (verdict, reason) = judge(summary, linear_error, &damping);
-    Some(Answer {
-        mode,
-        frequency_hz,
-        frequency_interval_hz: around(frequency_hz, linear_error.frequency_relative),
-        frequency_band_hz: bands.first().and_then(|band| edges(&band.frequency_hz)),
-        onset_amplitude_m: onset(&summary.backbone),
+    let (verdict, reason) = judge(found, linear_error, &damping);
+    Answer {
+        mode: found.mode,
+        frequency_hz: found.frequency_hz,
+        frequency_interval_hz: around(found.frequency_hz, linear_error.frequency_relative),
+        frequency_band_hz: found.bands.first().and_then(|band| edges(&band.frequency_hz)),
+        onset_amplitude_m: onset(found.backbone),
         damping,
         verdict,
         reason,
-    })
+    }
 }
 
 /// A frequency less and more an error.
@@ -261,21 +262,21 @@ fn onset(backbone: &[BackboneSummary]) -> Option<f64> {
 }
 
 /// What speaks against a result, the worst first; or what limits it.
-fn judge(summary: &Summary, linear: DialError, answered: &[AtAmplitude]) -> (Verdict, String) {
+fn judge(of: &Found<'_>, linear: DialError, answered: &[AtAmplitude]) -> (Verdict, String) {
     let mut found: Vec<(Verdict, String)> = Vec::new();
-    let failed = summary
+    let failed = of
         .backbone
         .iter()
         .filter(|point| !point.converged && point.status != Status::BelowRoundOff);
     let failed = failed.count();
     if failed > 0 {
-        let all = summary.backbone.len();
+        let all = of.backbone.len();
         found.push((
             Verdict::NotReliable,
             format!("{failed} of {all} amplitudes did not converge"),
         ));
     }
-    let parts = parts(summary);
+    let parts = parts(of.backbone);
     let by = |which: &dyn Fn(&DialError) -> Option<f64>| {
         let known = parts.iter().filter_map(|(dial, error)| Some((*dial, which(error)?)));
         let largest = known.max_by(|a, b| a.1.total_cmp(&b.1));
@@ -307,27 +308,26 @@ fn judge(summary: &Summary, linear: DialError, answered: &[AtAmplitude]) -> (Ver
         }
     }
     found.extend(
-        summary
-            .warnings
+        of.warnings
             .iter()
             .map(|warning| (Verdict::WithCare, warning.message.clone())),
     );
     let beyond = |number: Option<usize>, what: &str| {
-        let at = summary.backbone.get(number?.checked_sub(1)?)?.response_displacement?;
+        let at = of.backbone.get(number?.checked_sub(1)?)?.response_displacement?;
         Some((Verdict::WithCare, format!("from {:.3} um on {what}", 1e6 * at)))
     };
-    let validity = &summary.validity;
+    let validity = of.validity;
     found.extend(beyond(validity.first_beyond_clearance, "bolts may touch their holes"));
     found.extend(beyond(
         validity.first_beyond_shape_deviation,
         "the shape of the mode changes with the amplitude",
     ));
-    let unknown = [summary.model.error_bar.frequency_relative, linear.frequency_relative].contains(&None)
+    let unknown = [of.error_bar.frequency_relative, linear.frequency_relative].contains(&None)
         || answered.iter().any(|one| one.ratio.is_some() && one.interval.is_none());
     if unknown {
         found.push((
             Verdict::WithCare,
-            format!("the numerical error is not known: {}", summary.model.error_bar.source),
+            format!("the numerical error is not known: {}", of.error_bar.source),
         ));
     }
     let worst = found.iter().map(|(verdict, _)| *verdict).max();
@@ -343,10 +343,9 @@ fn judge(summary: &Summary, linear: DialError, answered: &[AtAmplitude]) -> (Ver
 }
 
 /// The largest error of every setting over the amplitudes.
-fn parts(summary: &Summary) -> BTreeMap<Dial, DialError> {
+fn parts(backbone: &[BackboneSummary]) -> BTreeMap<Dial, DialError> {
     let mut parts = BTreeMap::<Dial, DialError>::new();
-    for (dial, error) in summary
-        .backbone
+    for (dial, error) in backbone
         .iter()
         .filter_map(|point| point.error.as_ref())
         .flat_map(|error| &error.of)

@@ -1,5 +1,6 @@
 //! Results as programs read them.
 
+mod amplitudes;
 pub mod answer;
 pub mod provenance;
 pub mod summary;

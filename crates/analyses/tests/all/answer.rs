@@ -105,7 +105,7 @@ fn bands_are_those_of_the_samples() {
 fn what_did_not_converge_is_not_reliable() {
     let mut failed = summary(&slider("answer-failed", &Value::Null));
     failed.backbone[4].converged = false;
-    let answers = analyses::results::answer::answers(&failed);
+    let answers = failed.answers();
     assert_eq!(answers[0].verdict, Verdict::NotReliable);
     assert_eq!(answers[0].reason, "1 of 5 amplitudes did not converge");
     assert_eq!(answers[0].damping.len(), 4);

@@ -111,7 +111,11 @@ impl AsperityBins {
     pub fn errors(sets: &[Self], reference: &Self, reach: f64, smallest: f64) -> [f64; 3] {
         let sets: Vec<_> = sets.iter().map(Self::parts).collect();
         let forms: [&dyn Fn(f64) -> f64; 2] = [&|w| w * root(w), &root];
-        relative_errors(&sets, reference.parts(), (reach, 40), smallest, forms)
+        let interferences: Vec<f64> = between_third_and_whole(reach, 40).collect();
+        let all: Vec<usize> = (0..sets.len()).collect();
+        let cycles: Vec<(f64, &[usize])> = interferences.iter().map(|u| (*u, all.as_slice())).collect();
+        let cycles = (cycles.as_slice(), reach - reference.gaps[0]);
+        relative_errors(&sets, reference.parts(), &interferences, cycles, smallest, forms)
     }
 
     fn parts(&self) -> [&[f64]; 2] {
@@ -183,18 +187,27 @@ pub(crate) fn gauss_sets(gaps: &GapDistribution, n: usize, reach: f64, shifts: &
             .map(|j| (j as f64 + shift) / intervals as f64)
             .filter(|&at| at > 0.0);
         let inner = inner.map(|at| (reach * at.powf(GRADING)).min(gaps.largest()));
-        let (mut at, mut probabilities) = (Vec::with_capacity(n + 4), Vec::with_capacity(n + 4));
-        let mut begin = f64::NEG_INFINITY;
-        for end in inner.chain([reach.min(gaps.largest()), gaps.largest()]) {
-            for (gap, mass) in gauss_rule(gaps, begin, end) {
-                at.push(gap.max(0.0));
-                probabilities.push(mass);
-            }
-            begin = begin.max(end);
-        }
-        Ok((at, probabilities))
+        let limits: Vec<f64> = inner.chain([reach.min(gaps.largest()), gaps.largest()]).collect();
+        Ok(gauss_between(gaps, &limits))
     };
     shifts.iter().enumerate().map(set).collect()
+}
+
+/// Two-point rules for the gaps up to the first limit, and from each to the next.
+pub(crate) fn gauss_between(gaps: &GapDistribution, limits: &[f64]) -> GaussSet {
+    let (mut at, mut probabilities) = (
+        Vec::with_capacity(2 * limits.len()),
+        Vec::with_capacity(2 * limits.len()),
+    );
+    let mut begin = f64::NEG_INFINITY;
+    for &end in limits {
+        for (gap, mass) in gauss_rule(gaps, begin, end) {
+            at.push(gap.max(0.0));
+            probabilities.push(mass);
+        }
+        begin = begin.max(end);
+    }
+    (at, probabilities)
 }
 
 /// Gaps and probabilities of the two-point rule for the gaps above `begin` up to `end`; one point where all are the same, none
@@ -248,29 +261,46 @@ fn gauss_rule(gaps: &GapDistribution, begin: f64, end: f64) -> impl Iterator<Ite
 }
 
 /// [`AsperityBins::errors`] of gaps and numbers of contacts, of which each has a normal force and a tangential stiffness that depend on its
-/// interference, at interferences in so many steps.
+/// interference: of both at some interferences, and of cycles at others, each with the numbers of its sets, up to an amplitude at which contacts
+/// below the interference `gross` slip.
 pub(crate) fn relative_errors(
     sets: &[[&[f64]; 2]],
     reference: [&[f64]; 2],
-    (reach, steps): (f64, u32),
+    interferences: &[f64],
+    (cycles, gross): (&[(f64, &[usize])], f64),
     smallest: f64,
     [force, stiffness]: [&dyn Fn(f64) -> f64; 2],
 ) -> [f64; 3] {
-    let interferences = || (0..=steps).map(|i| reach * (1.0 + 2.0 * f64::from(i) / f64::from(steps)) / 3.0);
     let sum = |[gaps, numbers]: [&[f64]; 2], u: f64, of: &dyn Fn(f64) -> f64| -> f64 {
         let loaded = gaps.iter().zip(numbers).filter(|(gap, _)| **gap < u);
         loaded.map(|(gap, number)| number * of(u - gap)).sum()
     };
-    let mean = |set, of: &dyn Fn(f64) -> f64| interferences().map(|u| sum(set, u, of)).sum::<f64>();
     let error = |of: &dyn Fn(f64) -> f64| {
-        let found = sets.iter().map(|set| mean(*set, of)).sum::<f64>() / sets.len() as f64;
-        (found / mean(reference, of) - 1.0).abs()
+        let mean = |set| interferences.iter().map(|u| sum(set, *u, of)).sum::<f64>();
+        let found = sets.iter().map(|set| mean(*set)).sum::<f64>() / sets.len() as f64;
+        (found / mean(reference) - 1.0).abs()
     };
     // Contacts slip where their interference is below the amplitude times a constant.
-    let gross = reach - reference[0][0];
+    let dissipated = |slips: f64| {
+        let of = |w: f64| force(w) * (slips - w).max(0.0);
+        let (mut found, mut expected) = (0.0, 0.0);
+        for (u, own) in cycles {
+            found += own.iter().map(|set| sum(sets[*set], *u, &of)).sum::<f64>() / own.len() as f64;
+            expected += sum(reference, *u, &of);
+        }
+        (found / expected - 1.0).abs()
+    };
     let amplitudes = (0..=12).map(|i| gross * smallest.powf(f64::from(i) / 12.0));
-    let dissipated = amplitudes.map(|slips| error(&|w| force(w) * (slips - w).max(0.0)));
-    [error(force), error(stiffness), dissipated.fold(0.0, f64::max)]
+    [
+        error(force),
+        error(stiffness),
+        amplitudes.map(dissipated).fold(0.0, f64::max),
+    ]
+}
+
+/// Interferences from a third of a reach to all of it, in so many steps.
+pub(crate) fn between_third_and_whole(reach: f64, steps: u32) -> impl Iterator<Item = f64> {
+    (0..=steps).map(move |i| reach * (1.0 + 2.0 * f64::from(i) / f64::from(steps)) / 3.0)
 }
 
 fn root(x: f64) -> f64 {

@@ -3,6 +3,7 @@
 use super::asperities::Asperities;
 use super::finish::FinishReport;
 use super::pressed::BoundaryElementsReport;
+use super::pressures::Pressures;
 use super::resolved::ResolvedReport;
 use super::stiffness::{mean, stiffnesses};
 use super::surface::{FileReport, U_REF};
@@ -128,7 +129,7 @@ impl Asperities {
         operators: &Operators,
         element_of: &[u32],
         mu: &PointParameters<f64>,
-        pressure: f64,
+        pressures: Pressures<'_>,
     ) -> Result<BuiltLaw, Error> {
         let sums = self.sums(scene.interfaces.law.tangential)?;
         let fits = self.fits(scene.interfaces.law.tangential, &sums)?;
@@ -137,7 +138,7 @@ impl Asperities {
             law,
             table_errors,
             resolved,
-        } = self.traction_law(scene, element_of, mu, &sums, &fits, pressure)?;
+        } = self.traction_law(scene, element_of, mu, &sums, &fits, pressures)?;
         Ok(BuiltLaw {
             known_gap: self.gap(scene, operators, element_of),
             asperities: self,
@@ -168,8 +169,7 @@ impl Asperities {
         scaled.collect()
     }
 
-    /// The law of the scene's kind from the sums or the fits of all populations; `pressure` is the mean pressure of the bolts
-    /// (Pa).
+    /// The law of the scene's kind from the sums or the fits of all populations.
     pub(super) fn traction_law(
         &self,
         scene: &Scene,
@@ -177,7 +177,7 @@ impl Asperities {
         mu: &PointParameters<f64>,
         sums: &[AsperitySumCurves],
         fits: &[Fit],
-        pressure: f64,
+        pressures: Pressures<'_>,
     ) -> Result<NamedLaw, Error> {
         let kind = match scene.interfaces.law.friction() {
             Friction::Lumped => None,
@@ -186,7 +186,7 @@ impl Asperities {
             Friction::MindlinIwan => Some("mindlin-iwan"),
         };
         if let Some(kind) = kind {
-            let (law, report) = self.resolved_law(scene, element_of, mu, sums, pressure)?;
+            let (law, report) = self.resolved_law(scene, element_of, mu, sums, pressures)?;
             return Ok(NamedLaw {
                 resolved: Some(report),
                 ..NamedLaw::lumped(kind, law)

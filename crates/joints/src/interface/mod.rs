@@ -8,6 +8,7 @@ mod given;
 mod law;
 mod population;
 mod pressed;
+mod pressures;
 mod resolved;
 mod stiffness;
 mod surface;
@@ -31,7 +32,8 @@ use given::GivenLaw;
 use joint_model::InterfacePart;
 use law::{BuiltLaw, NamedLaw, fits_of};
 use population::population;
-use scenes::{LawKind, Scene, Surface};
+use pressures::Pressures;
+use scenes::{Bins, Friction, LawKind, Scene, Surface};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use stiffness::{mean, stiffnesses, stuck_stiffness};
@@ -51,6 +53,8 @@ pub struct SceneInterface {
     operators: Arc<Operators>,
     /// The parts, in the order of their points.
     parts: Vec<PartLaw>,
+    /// Pressures at rest that laws follow, over the mean one of the bolts.
+    at_rest: Option<Vec<f64>>,
 }
 
 /// What is reported about a part of an interface.
@@ -112,8 +116,12 @@ impl PartLaw {
             .flat_map(|(e, r)| vec![e as u32; r[1] - r[0]])
             .collect();
         let mu = friction::coefficients(&scene, &operators.positions)?;
+        let pressures = Pressures {
+            mean: pressure,
+            at_rest: None,
+        };
         let law_of = |asperities: Asperities| -> Result<Source, Error> {
-            let built = asperities.law(&scene, &operators, &element_of, &mu, pressure)?;
+            let built = asperities.law(&scene, &operators, &element_of, &mu, pressures)?;
             Ok(Source::Asperities(Box::new(built)))
         };
         // Populations depend on the surface, and on how the law takes them.
@@ -163,6 +171,27 @@ impl PartLaw {
             gap,
             clipped_gaps,
         })
+    }
+
+    /// Whether its law follows the pressures at rest.
+    fn follows_rest(&self) -> bool {
+        let law = &self.scene.interfaces.law;
+        matches!(self.from, Source::Asperities(_))
+            && law.friction() == Friction::Foundation
+            && !matches!(law.bins, Bins::EquallySpaced(_))
+    }
+
+    /// With its law for the pressures at rest, where it follows them.
+    fn about(self, pressures: Pressures<'_>) -> Result<Self, Error> {
+        let from = match &self.from {
+            Source::Asperities(built) if self.follows_rest() => {
+                let asperities = built.asperities.varied(&self.scene)?;
+                let built = asperities.law(&self.scene, &self.operators, &self.element_of, &self.mu, pressures)?;
+                Source::Asperities(Box::new(built))
+            }
+            _ => return Ok(self),
+        };
+        Ok(Self { from, ..self })
     }
 
     fn law(&self) -> Arc<dyn TractionLaw> {
@@ -291,7 +320,6 @@ impl SceneInterface {
                 .operators(mesh, scene.interfaces.points_per_direction)?,
         );
         let pressure = load / operators.area();
-        let share = |area: f64| pressure * area;
         let built = match parts {
             [] => vec![(
                 "interface".to_owned(),
@@ -313,6 +341,12 @@ impl SceneInterface {
                 })
                 .collect::<Result<Vec<_>, Error>>()?,
         };
+        Self::of_parts(operators, built, load)
+    }
+
+    /// Joins parts with their names.
+    fn of_parts(operators: Arc<Operators>, built: Vec<(String, PartLaw)>, load: f64) -> Result<Self, Error> {
+        let share = |area: f64| load / operators.area() * area;
         let mut laws = Vec::with_capacity(built.len());
         let mut first = 0;
         for (_, part) in &built {
@@ -355,6 +389,42 @@ impl SceneInterface {
             closure,
             operators,
             parts: built.into_iter().map(|(_, part)| part).collect(),
+            at_rest: None,
+        })
+    }
+
+    /// Whether a law follows the pressures under the bolt loads `load` (N): those of an elastic foundation lie about where it is at rest.
+    pub fn follows_rest(&self, load: f64) -> bool {
+        load > 0.0 && self.parts.iter().any(PartLaw::follows_rest)
+    }
+
+    /// Pressures at rest that laws follow (Pa), under the bolt loads `load` (N); none before [`Self::about`].
+    pub fn pressures_at_rest(&self, load: f64) -> Option<Vec<f64>> {
+        let mean = load / self.operators.area();
+        self.at_rest
+            .as_ref()
+            .map(|all| all.iter().map(|share| share * mean).collect())
+    }
+
+    /// The interface with laws that follow the pressures at the points (Pa) under the bolt loads `load` (N).
+    ///
+    /// # Errors
+    /// As [`SceneInterface::try_new`].
+    pub fn about(self, pressures: &[f64], load: f64) -> Result<Self, Error> {
+        let mean = load / self.operators.area();
+        let at_rest: Vec<f64> = pressures.iter().map(|pressure| pressure.max(0.0) / mean).collect();
+        let mut first = 0;
+        let mut parts = Vec::with_capacity(self.parts.len());
+        for (part, report) in self.parts.into_iter().zip(self.reports) {
+            let points = first..first + part.gap.len();
+            first = points.end;
+            let at_rest = Some(&at_rest[points]);
+            parts.push((report.name, part.about(Pressures { mean, at_rest })?));
+        }
+        let joined = Self::of_parts(self.operators, parts, load)?;
+        Ok(Self {
+            at_rest: Some(at_rest),
+            ..joined
         })
     }
 
@@ -381,10 +451,12 @@ impl SceneInterface {
     pub fn realisation(&self, k: usize, load: f64) -> Result<(Interface, f64), Error> {
         let mut laws = Vec::with_capacity(self.parts.len());
         let mut gap = Vec::new();
-        let pressure = load / self.operators.area();
+        let mean = load / self.operators.area();
         for part in &self.parts {
-            let (law, of_part) = part.realisation(k, pressure)?;
-            laws.push((gap.len()..gap.len() + of_part.len(), law));
+            let points = gap.len()..gap.len() + part.gap.len();
+            let at_rest = self.at_rest.as_ref().map(|all| &all[points.clone()]);
+            let (law, of_part) = part.realisation(k, Pressures { mean, at_rest })?;
+            laws.push((points, law));
             gap.extend(of_part);
         }
         for (gap, own) in gap.iter_mut().zip(self.interface.gap().unwrap_or_default()) {
@@ -404,8 +476,8 @@ impl SceneInterface {
 }
 
 impl PartLaw {
-    /// The law of a realisation, and by how much later contact begins at each point (m); `pressure` is the mean one of the bolts (Pa).
-    fn realisation(&self, k: usize, pressure: f64) -> Result<(Arc<dyn TractionLaw>, Vec<f64>), Error> {
+    /// The law of a realisation, and by how much later contact begins at each point (m).
+    fn realisation(&self, k: usize, pressures: Pressures<'_>) -> Result<(Arc<dyn TractionLaw>, Vec<f64>), Error> {
         let scene = &self.scene;
         let Source::Asperities(built) = &self.from else {
             return Err(Error::NoSamples);
@@ -426,7 +498,7 @@ impl PartLaw {
             LawKind::Tabulated | LawKind::AsperitySum | LawKind::BoundaryElements => Vec::new(),
         };
         let NamedLaw { law, .. } =
-            realisation.traction_law(scene, &self.element_of, &self.mu, &sums, &fits, pressure)?;
+            realisation.traction_law(scene, &self.element_of, &self.mu, &sums, &fits, pressures)?;
         let height = scene.interfaces.scale.asperity_height;
         let later = self.element_of.iter().map(|&e| height * drawn[e as usize].1).collect();
         Ok((law, later))

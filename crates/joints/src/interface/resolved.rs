@@ -1,12 +1,13 @@
 //! Laws with a history for every asperity.
 
 use super::asperities::Asperities;
+use super::pressures::Pressures;
 use super::stiffness::{as_dyn, interference_at};
 use crate::Error;
 use contact_laws::friction::foundation::BEYOND_REACH;
 use contact_laws::{
     Asperity, AsperityBins, AsperityFriction, AsperityPopulation, AsperitySumCurves, ContactCurves, Foundation,
-    FoundationLaw, PointParameters, Radii, ResolvedLaw, TractionLaw,
+    FoundationLaw, Growth, PointParameters, Radii, ResolvedLaw, TractionLaw,
 };
 use rayon::prelude::*;
 use scenes::{Bins, Friction, RadialRule, Scene};
@@ -28,6 +29,9 @@ const FINEST: usize = 1000;
 
 /// Populations at which errors are measured, if there are more.
 const MEASURED: usize = 8;
+
+/// Springs about an interference at rest that are tried.
+const COUNTS_ABOUT: [usize; 8] = [24, 32, 40, 48, 56, 64, 96, 128];
 
 /// Amplitudes over gross slip from which the error of the dissipated energy counts.
 const SMALLEST_AMPLITUDE: f64 = 0.1;
@@ -107,15 +111,7 @@ impl Parts for Foundation {
     const COUNTS: &'static [usize] = &[64, 96, 128];
 
     fn gauss(source: &Source<'_>, count: usize, shifts: &[f64]) -> Result<Vec<Self>, Error> {
-        let Source {
-            asperity,
-            curves,
-            reach,
-            ..
-        } = source;
-        let ratio = asperity.material().mindlin_ratio();
-        let largest = BEYOND_REACH * reach;
-        Ok(Self::of_curves(*curves, ratio, count, *reach, largest, shifts)?)
+        Ok(source.growth()?.springs(count, shifts)?)
     }
 
     fn equally_spaced(source: &Source<'_>, count: usize) -> Result<Self, Error> {
@@ -143,6 +139,16 @@ impl Parts for Foundation {
 }
 
 impl Source<'_> {
+    fn growth(&self) -> Result<Growth, Error> {
+        let ratio = self.asperity.material().mindlin_ratio();
+        Ok(Growth::of_curves(
+            self.curves,
+            ratio,
+            self.reach,
+            BEYOND_REACH * self.reach,
+        )?)
+    }
+
     /// Parts at the places with these numbers.
     fn parts<P: Parts>(&self, bins: Bins, count: usize, places: &[usize]) -> Result<Vec<P>, Error> {
         Ok(match bins {
@@ -162,14 +168,14 @@ impl Source<'_> {
 }
 
 impl Asperities {
-    /// The law of all points, from the mean pressure of the bolts (Pa).
+    /// The law of all points, from the pressures of the bolts.
     pub(super) fn resolved_law(
         &self,
         scene: &Scene,
         element_of: &[u32],
         mu: &PointParameters<f64>,
         sums: &[AsperitySumCurves],
-        pressure: f64,
+        pressures: Pressures<'_>,
     ) -> Result<(Arc<dyn TractionLaw>, ResolvedReport), Error> {
         let law = &scene.interfaces.law;
         let yielding = law.yielding();
@@ -180,7 +186,7 @@ impl Asperities {
                 asperity: Asperity::try_new(self.material, population.effective_radius(), yielding)?,
                 population,
                 curves,
-                reach: interference_at(curves, PRESSURE_REACH * pressure),
+                reach: interference_at(curves, PRESSURE_REACH * pressures.mean),
             })
         });
         let sources = sources.collect::<Result<Vec<_>, Error>>()?;
@@ -201,7 +207,12 @@ impl Asperities {
             onset_of_yield: yielding.map(|_| mean(&|source| source.asperity.onset_of_yield())),
         };
         let Some(friction) = friction else {
-            let (springs, bins, errors) = self.parts::<Foundation>(&sources, law.bins, element_of)?;
+            let (springs, bins, errors) = match (law.bins, pressures.at_rest) {
+                (Bins::Error(_) | Bins::Gauss(_), Some(at_rest)) => {
+                    self.springs_about(&sources, law.bins, element_of, (pressures.mean, at_rest))?
+                }
+                _ => self.parts::<Foundation>(&sources, law.bins, element_of)?,
+            };
             let population_of = element_of.iter().map(|&e| self.of_element[e as usize]).collect();
             let mu = mu.clone();
             let law: Arc<dyn TractionLaw> = match &pressed {
@@ -219,6 +230,61 @@ impl Asperities {
         let (bins, count, errors) = self.parts::<AsperityBins>(&sources, law.bins, element_of)?;
         let law = ResolvedLaw::try_new(bins, mu.clone(), friction, law.cone)?.with_limit(law.limit)?;
         Ok((Arc::new(law), report(count, errors)))
+    }
+
+    /// Springs of all points about their interferences at rest, from the mean pressure (Pa) and those at the points over it; their number, and
+    /// their errors.
+    fn springs_about(
+        &self,
+        sources: &[Source<'_>],
+        bins: Bins,
+        element_of: &[u32],
+        (mean, at_rest): (f64, &[f64]),
+    ) -> Result<(PointParameters<Foundation>, usize, [f64; 3]), Error> {
+        let growths = sources.par_iter().map(Source::growth).collect::<Vec<_>>();
+        let growths = growths.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let every = sources.len().div_ceil(MEASURED).max(1);
+        let measured: Vec<_> = sources.iter().zip(&growths).step_by(every).collect();
+        let shifts = (0..MEASURED_PLACES).map(|place| place as f64 / MEASURED_PLACES as f64);
+        let shifts: Vec<f64> = shifts.collect();
+        let finest = measured
+            .par_iter()
+            .map(|(_, growth)| Ok(growth.springs(FINEST, &[0.0])?.remove(0)));
+        let finest = finest
+            .collect::<Vec<_>>()
+            .into_iter()
+            .collect::<Result<Vec<_>, Error>>()?;
+        let errors = |count: usize| -> Result<[f64; 3], Error> {
+            let of_one =
+                |((source, growth), finest): (&(&Source<'_>, &Growth), &Foundation)| -> Result<[f64; 3], Error> {
+                    let rests =
+                        (0..MEASURED).map(|i| source.reach * (1.0 + 2.0 * i as f64 / (MEASURED - 1) as f64) / 3.0);
+                    let sets = rests.map(|rest| {
+                        let springs = shifts.iter().map(|&shift| growth.springs_about(rest, count, shift));
+                        Ok((rest, springs.collect::<Result<Vec<_>, _>>()?))
+                    });
+                    let sets = sets.collect::<Result<Vec<_>, Error>>()?;
+                    Ok(Foundation::errors_about(
+                        &sets,
+                        finest,
+                        source.reach,
+                        SMALLEST_AMPLITUDE,
+                    ))
+                };
+            largest(measured.par_iter().zip(&finest).map(of_one).collect::<Vec<_>>())
+        };
+        let (count, errors) = fewest(bins, &COUNTS_ABOUT, errors)?;
+        let first_of_element = |point: usize| element_of[..point].partition_point(|e| *e < element_of[point]);
+        let springs = (0..element_of.len()).into_par_iter().map(|point| {
+            let population = self.of_element[element_of[point] as usize] as usize;
+            let rest = interference_at(sources[population].curves, at_rest[point] * mean);
+            let place = place(element_of[point], point - first_of_element(point));
+            growths[population].springs_about(rest, count, place as f64 / PLACES as f64)
+        });
+        let springs = springs.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
+        let most = springs.iter().map(Parts::len).max().unwrap_or(0);
+        let own = (0..springs.len() as u32).collect();
+        Ok((PointParameters::try_indexed(springs, own)?, most, errors))
     }
 
     /// What stands for the populations at all points, most parts at a point, and their errors.
@@ -284,19 +350,32 @@ fn count<P: Parts>(sources: &[Source<'_>], bins: Bins) -> Result<(usize, [f64; 3
         let finest = P::gauss(source, FINEST, &[0.0])?;
         measured.extend(finest.into_iter().map(|finest| (source, finest)));
     }
-    let errors = |count: usize| -> Result<[f64; 3], Error> {
+    let errors = |count: usize| {
         let of_each = measured
             .par_iter()
             .map(|(source, finest)| source.errors(bins, count, finest));
-        let of_each = of_each.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
-        let largest = |q: usize| of_each.iter().map(|errors| errors[q]).fold(0.0, f64::max);
-        Ok([0, 1, 2].map(largest))
+        largest(of_each.collect::<Vec<_>>())
     };
+    fewest(bins, P::COUNTS, errors)
+}
+
+/// The largest of each error.
+fn largest(all: Vec<Result<[f64; 3], Error>>) -> Result<[f64; 3], Error> {
+    let all = all.into_iter().collect::<Result<Vec<_>, _>>()?;
+    Ok([0, 1, 2].map(|q| all.iter().map(|errors| errors[q]).fold(0.0, f64::max)))
+}
+
+/// The number that is given, or the fewest parts whose errors are borne; with their errors.
+fn fewest(
+    bins: Bins,
+    counts: &[usize],
+    errors: impl Fn(usize) -> Result<[f64; 3], Error>,
+) -> Result<(usize, [f64; 3]), Error> {
     match bins {
         Bins::Gauss(n) | Bins::EquallySpaced(n) => Ok((n, errors(n)?)),
         Bins::Error(target) => {
             let mut best = f64::INFINITY;
-            for &count in P::COUNTS {
+            for &count in counts {
                 let found = errors(count)?;
                 let worst = found.into_iter().fold(0.0, f64::max);
                 if worst <= target {

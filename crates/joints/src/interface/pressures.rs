@@ -1,0 +1,10 @@
+//! Pressures that laws are made for.
+
+/// Pressures that a law is made for.
+#[derive(Clone, Copy)]
+pub(super) struct Pressures<'a> {
+    /// Of the bolts over the whole interface (Pa).
+    pub(super) mean: f64,
+    /// At the points under the bolt loads, over the mean; none before they are known.
+    pub(super) at_rest: Option<&'a [f64]>,
+}
