@@ -227,7 +227,7 @@ const MOST_POINTS: usize = 256;
 
 /// A curve of an element by boundary elements.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PressedElement {
     /// Index of the element.
     pub element: usize,

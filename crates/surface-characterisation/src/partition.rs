@@ -116,7 +116,7 @@ impl ElementOutlines {
     }
 
     /// Lower left and upper right corner of the rectangle around one element (m).
-    pub(crate) fn element_bounds(&self, element: usize) -> ([f64; 2], [f64; 2]) {
+    pub fn element_bounds(&self, element: usize) -> ([f64; 2], [f64; 2]) {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for p in self.corners(element) {
             for k in 0..2 {

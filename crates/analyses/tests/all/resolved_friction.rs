@@ -7,7 +7,7 @@ use brake_reuss_beam::published::{BACKBONE_FLAT, BACKBONE_TOPOGRAPHY, BACKBONE_V
 use joint_model::benchmark::Benchmark as _;
 use joint_model::benchmark::RefinementLevel;
 use joints::Options;
-use joints::progress::Silent;
+use joints::progress::{Progress, Silent};
 use scenes::{Assembly, Bins, Friction, Law, RadialRule, Scene};
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -341,4 +341,59 @@ fn boundary_elements_take_the_place_of_asperities() {
     let mut without = scene(r#"{ "kind": "boundary-elements" }"#, "");
     without.interfaces.surface = scenes::Surface::Measured;
     assert!(refused(&without).contains("needs the scans"));
+}
+
+/// Hears what was read from the cache.
+#[derive(Default)]
+struct Heard(std::sync::Mutex<Vec<String>>);
+
+impl Progress for Heard {
+    fn note(&self, text: &str) {
+        self.0.lock().unwrap().push(text.to_owned());
+    }
+}
+
+#[test]
+fn contact_by_boundary_elements_is_kept_for_the_next_run() {
+    let scene = |seed: u64| {
+        let text = format!(
+            r#"{{ "units": {{ "length": "m", "mass": "kg", "time": "s" }}, "structure": {{ "benchmark": "brake-reuss-beam" }},
+                "model": {{ "element_order": "linear", "refinement": "quick", "modes": 10 }}, "analyses": {{}},
+                "interfaces": {{ "surface": {{ "synthetic-scan": {{ "seed": {seed}, "bootstrap": 0, "step": [120e-6, 200e-6], "correlation_length": [300e-6, 400e-6] }} }},
+                    "gap": "flat", "mu": 0.2, "points_per_direction": 1, "law": {{ "kind": "boundary-elements", "friction": "lumped" }} }} }}"#
+        );
+        Scene::from_json(&text, "a.json", "a", &[&BrakeReussBenchmark]).unwrap()
+    };
+    let folder = cache().join("contact");
+    let options = Options::cached(&folder);
+    // Frequencies, and whether the contact was read.
+    let go = |seed: u64| {
+        let heard = Heard::default();
+        let found = run(&scene(seed), &options, &heard).unwrap();
+        let read = heard
+            .0
+            .lock()
+            .unwrap()
+            .iter()
+            .any(|note| note.contains("contact by boundary elements was read"));
+        (found.frequencies, read)
+    };
+    let kept = || {
+        let files = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
+        files
+            .filter(|path| path.to_string_lossy().contains("contact-"))
+            .collect::<Vec<_>>()
+    };
+    let (first, read) = go(1);
+    assert!(!read && kept().len() == 1);
+    assert_eq!(go(1), (first.clone(), true));
+    // A damaged file counts as none, and other faces are others.
+    let path = kept().remove(0);
+    let mut bytes = std::fs::read(&path).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&path, bytes).unwrap();
+    assert_eq!(go(1), (first.clone(), false));
+    let (other, read) = go(2);
+    assert!(!read && other != first && kept().len() == 2);
 }

@@ -4,11 +4,11 @@ use super::finish::{FinishReport, FinishedSurface};
 use super::population::population;
 use super::pressed::Pressed;
 use super::surface::{FileReport, ScannedSurface, material};
+use super::work::Work;
 use crate::Error;
 use contact_laws::{
     AsperityPopulation, AsperitySumCurves, CurveFactors, ElasticPair, GapDistribution, SampledCurves, TangentialReading,
 };
-use dense_algebra::Limits;
 use joint_model::benchmark::MeasuredSurface;
 use scenes::{Gap, LawKind, Scale, Scene};
 use std::sync::Arc;
@@ -83,9 +83,9 @@ impl Asperities {
     }
 
     /// Those of two scans, element by element.
-    pub(super) fn scanned(scene: &Scene, mesh: &InterfaceMesh, limits: Limits<'_>) -> Result<Self, Error> {
-        let scanned = ScannedSurface::within(limits, scene, mesh)?;
-        let pressed = Pressed::of(limits, scene, &scanned)?;
+    pub(super) fn scanned(scene: &Scene, mesh: &InterfaceMesh, work: Work<'_>) -> Result<Self, Error> {
+        let scanned = ScannedSurface::within(work.limits, scene, mesh)?;
+        let pressed = Pressed::of(work, scene, &scanned)?;
         let ScannedSurface { found, files, .. } = scanned;
         let populations = found.elements.iter().map(|e| population(scene, &e.population));
         Self {

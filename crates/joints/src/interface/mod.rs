@@ -13,6 +13,7 @@ mod resolved;
 mod stiffness;
 mod surface;
 mod variation;
+mod work;
 
 pub use asperities::Asperities;
 pub use finish::{FinishReport, FinishedFace, FinishedSurface, GreenwoodWilliamsonParameters};
@@ -26,6 +27,8 @@ pub use surface::{
 };
 
 use crate::Error;
+use crate::progress::Progress;
+use crate::store::Options;
 use contact_laws::{PointParameters, Sticking, TractionLaw};
 use dense_algebra::Limits;
 use given::GivenLaw;
@@ -38,6 +41,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use stiffness::{mean, stiffnesses, stuck_stiffness};
 use surface_characterisation::PairAsperities;
+use work::Work;
 use zte_assembly::{Interface, InterfaceMesh, Operators};
 
 /// The interface of a scene.
@@ -107,7 +111,7 @@ impl PartLaw {
         operators: Arc<Operators>,
         pressure: f64,
         known: Option<&Self>,
-        limits: Limits<'_>,
+        work: Work<'_>,
     ) -> Result<Self, Error> {
         let element_of: Vec<u32> = operators
             .first_point
@@ -147,9 +151,7 @@ impl PartLaw {
                     })?;
                 law_of(Asperities::measured(&measured, &scene, mesh)?)?
             }
-            (Surface::SyntheticScan(_) | Surface::Scans(_), None) => {
-                law_of(Asperities::scanned(&scene, mesh, limits)?)?
-            }
+            (Surface::SyntheticScan(_) | Surface::Scans(_), None) => law_of(Asperities::scanned(&scene, mesh, work)?)?,
             (Surface::Finish(_), None) => law_of(Asperities::finished(&scene, mesh)?)?,
         };
         let (gap, clipped_gaps) = match &from {
@@ -272,21 +274,27 @@ impl SceneInterface {
     /// # Errors
     /// Of the law, the surface, the interface; [`Error::NoContact`].
     pub fn try_new(scene: &Scene, mesh: &InterfaceMesh, parts: &[InterfacePart], load: f64) -> Result<Self, Error> {
-        Self::within(Limits::default(), scene, mesh, parts, load)
+        Self::build(scene, mesh, parts, load, None, Work::default())
     }
 
-    /// The same within limits of time.
+    /// The same, until `progress` is interrupted; what takes long is taken from the cache of `options`, or stored there.
     ///
     /// # Errors
-    /// As [`SceneInterface::try_new`]; an interruption.
+    /// As [`SceneInterface::try_new`]; an interruption. A cache that cannot be written is noted, not fatal.
     pub fn within(
-        limits: Limits<'_>,
+        (options, progress): (&Options, &dyn Progress),
         scene: &Scene,
         mesh: &InterfaceMesh,
         parts: &[InterfacePart],
         load: f64,
     ) -> Result<Self, Error> {
-        Self::build(scene, mesh, parts, load, None, limits)
+        let stop = || progress.interrupted();
+        let work = Work {
+            limits: Limits::default().until(&stop),
+            options,
+            progress,
+        };
+        Self::build(scene, mesh, parts, load, None, work)
     }
 
     /// The interface of a scene that may differ from that of a `known` one in numbers alone. Where they are not those of the surface, it is
@@ -301,7 +309,7 @@ impl SceneInterface {
         parts: &[InterfacePart],
         load: f64,
     ) -> Result<Self, Error> {
-        Self::build(scene, mesh, parts, load, known, Limits::default())
+        Self::build(scene, mesh, parts, load, known, Work::default())
     }
 
     fn build(
@@ -310,7 +318,7 @@ impl SceneInterface {
         parts: &[InterfacePart],
         load: f64,
         known: Option<&Self>,
-        limits: Limits<'_>,
+        work: Work<'_>,
     ) -> Result<Self, Error> {
         let known_part = |number: usize| known.and_then(|known| known.parts.get(number));
         let operators = Arc::new(
@@ -323,7 +331,7 @@ impl SceneInterface {
         let built = match parts {
             [] => vec![(
                 "interface".to_owned(),
-                PartLaw::try_new(scene.clone(), mesh, operators.clone(), pressure, known_part(0), limits)?,
+                PartLaw::try_new(scene.clone(), mesh, operators.clone(), pressure, known_part(0), work)?,
             )],
             _ => parts
                 .iter()
@@ -335,7 +343,7 @@ impl SceneInterface {
                         .model
                         .symmetry
                         .operators(&mesh, scene.interfaces.points_per_direction)?;
-                    let law = PartLaw::try_new(own, &mesh, Arc::new(operators), pressure, known_part(number), limits)?;
+                    let law = PartLaw::try_new(own, &mesh, Arc::new(operators), pressure, known_part(number), work)?;
                     let source = Some(part.source);
                     Ok((part.name.clone(), PartLaw { source, ..law }))
                 })

@@ -2,12 +2,16 @@
 
 use super::stiffness::{as_dyn, interference_at};
 use super::surface::ScannedSurface;
+use super::work::Work;
 use crate::Error;
+use crate::progress::Stage;
+use crate::store::cache;
+use crate::store::key::{Key, KeyBuilder};
 use contact_laws::{AsperitySumCurves, ContactCurves, ElasticPair, SampledCurves, TangentialReading};
-use dense_algebra::Limits;
 use scenes::{Gap, LawKind, Scene};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use surface_characterisation::PressedElement;
 
 /// Most elements whose contact is computed; others have that of the nearest of them.
@@ -18,6 +22,24 @@ pub(super) struct Pressed {
     elements: Vec<PressedElement>,
     /// Which of them each population has.
     of_population: Vec<u32>,
+}
+
+/// What the contact of elements depends on.
+fn key(work: Work<'_>, scanned: &ScannedSurface, chosen: &[usize]) -> Key {
+    let mut key = KeyBuilder::new(work.options.build.as_deref());
+    key.text("boundary elements");
+    key.text(&format!("{:?}", scanned.found.options));
+    for face in &scanned.faces {
+        key.integers([face.nx(), face.ny()].map(|n| n as u64));
+        key.numbers(face.step().into_iter().chain(face.origin()));
+        let points = (0..face.ny()).flat_map(|j| (0..face.nx()).map(move |i| (i, j)));
+        key.numbers(points.map(|(i, j)| face.height(i, j).unwrap_or(f64::NAN)));
+    }
+    for &element in chosen {
+        let (low, high) = scanned.outlines.element_bounds(element);
+        key.numbers(low.into_iter().chain(high));
+    }
+    key.finish()
 }
 
 /// What is reported about boundary elements.
@@ -40,7 +62,7 @@ pub struct BoundaryElementsReport {
 
 impl Pressed {
     /// Those of a scene's scans, if its law asks for them.
-    pub(super) fn of(limits: Limits<'_>, scene: &Scene, scanned: &ScannedSurface) -> Result<Option<Arc<Self>>, Error> {
+    pub(super) fn of(work: Work<'_>, scene: &Scene, scanned: &ScannedSurface) -> Result<Option<Arc<Self>>, Error> {
         if scene.interfaces.law.kind != LawKind::BoundaryElements {
             return Ok(None);
         }
@@ -50,7 +72,30 @@ impl Pressed {
         let n = outlines.len();
         let count = n.min(MOST_ELEMENTS);
         let chosen: Vec<usize> = (0..count).map(|i| (2 * i + 1) * n / (2 * count)).collect();
-        let elements = found.pressed(&|| limits.stops(), [&faces[0], &faces[1]], outlines, &chosen)?;
+        let key = key(work, scanned, &chosen);
+        let stored = work.options.cache.as_deref().map(|directory| (directory, &key));
+        let elements = match stored.and_then(|(directory, key)| cache::load_elements(directory, key)) {
+            Some(elements) => {
+                work.progress
+                    .note("the contact by boundary elements was read from the cache");
+                elements
+            }
+            None => {
+                let begun = AtomicUsize::new(0);
+                let next = || {
+                    let done = begun.fetch_add(1, Ordering::Relaxed) as f64 / count as f64;
+                    work.progress.fraction(Stage::Characterise, done);
+                    work.limits.stops()
+                };
+                let elements = found.pressed(&next, [&faces[0], &faces[1]], outlines, &chosen)?;
+                let error = stored.and_then(|(directory, key)| cache::store_elements(directory, key, &elements).err());
+                if let Some(error) = error {
+                    work.progress
+                        .note(&format!("the contact by boundary elements was not cached: {error}"));
+                }
+                elements
+            }
+        };
         let nearest = |element: usize| {
             let middle = outlines.middle(element);
             let apart = |other: usize| {

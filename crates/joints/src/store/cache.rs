@@ -1,4 +1,4 @@
-//! Reduced models on disk, keyed by a hash of everything they depend on. A checksum covers every byte.
+//! Reduced models, and contact by boundary elements, on disk, keyed by a hash of everything they depend on. A checksum covers every byte.
 
 use super::key::Key;
 use crate::Error;
@@ -7,6 +7,7 @@ use reduction::ReducedModel;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use surface_characterisation::PressedElement;
 
 /// First line of a stored model; the numbers follow as little-endian doubles in the order of the fields, of mass and stiffness the lower triangles.
 #[derive(Serialize, Deserialize)]
@@ -25,6 +26,28 @@ struct Header<F> {
 
 fn path_of(directory: &Path, key: &Key) -> PathBuf {
     directory.join(format!("reduced-{}.bin", key.short()))
+}
+
+fn path_of_elements(directory: &Path, key: &Key) -> PathBuf {
+    directory.join(format!("contact-{}.json", key.short()))
+}
+
+/// The contact of elements stored for `key`, if there is an intact file.
+pub fn load_elements(directory: &Path, key: &Key) -> Option<Vec<PressedElement>> {
+    let bytes = file_io::durable::read_sealed(&path_of_elements(directory, key))?;
+    let (of, elements): (String, Vec<PressedElement>) = serde_json::from_slice(&bytes).ok()?;
+    (of == key.0).then_some(elements)
+}
+
+/// Stores the contact of elements; the file appears whole or not at all.
+pub fn store_elements(directory: &Path, key: &Key, elements: &[PressedElement]) -> Result<(), Error> {
+    let path = path_of_elements(directory, key);
+    let bytes = serde_json::to_vec(&(&key.0, elements)).map_err(|error| Error::File {
+        path: path.clone(),
+        operation: "encoding the contact of elements",
+        source: error.into(),
+    })?;
+    Ok(file_io::durable::write_sealed(&path, &bytes)?)
 }
 
 /// The model stored for `key` and the facts stored with it, if there is an intact file. Damaged or foreign files count as
