@@ -106,29 +106,25 @@ fn table(answer: &Answer) -> Table {
         .damping
         .iter()
         .any(|one| one.band.is_some() || one.frequency_band_hz.is_some());
-    let mut headings = vec![
-        "amplitude",
-        "frequency",
-        "by numerical error",
-        "damping",
-        "by numerical error",
-    ];
+    let mut headings = vec!["amplitude", "frequency (numerical error)", "damping (numerical error)"];
     if has_bands {
         headings.extend(["frequency by uncertain inputs", "damping by uncertain inputs"]);
     }
-    let cell = |ends: Option<[f64; 2]>, of: &dyn Fn(f64) -> String| {
+    let cell = |value: String, ends: Option<[f64; 2]>, of: &dyn Fn(f64) -> String| {
+        ends.map_or_else(|| value.clone(), |ends| format!("{value} ({})", range(ends, of)))
+    };
+    let band = |ends: Option<[f64; 2]>, of: &dyn Fn(f64) -> String| {
         ends.map_or_else(|| MISSING.into(), |ends| range(ends, of))
     };
     let rows = answer.damping.iter().map(|one| {
+        let ratio = one.ratio.map_or_else(|| MISSING.into(), percent);
         let mut row = vec![
             length(one.amplitude_m),
-            format!("{:.2} Hz", one.frequency_hz),
-            cell(one.frequency_interval_hz, &hertz),
-            one.ratio.map_or_else(|| MISSING.into(), percent),
-            cell(one.interval, &percent),
+            cell(hertz(one.frequency_hz), one.frequency_interval_hz, &hertz),
+            cell(ratio, one.interval, &percent),
         ];
         if has_bands {
-            row.extend([cell(one.frequency_band_hz, &hertz), cell(one.band, &percent)]);
+            row.extend([band(one.frequency_band_hz, &hertz), band(one.band, &percent)]);
         }
         row
     });
