@@ -322,12 +322,15 @@ fn judge(of: &Found<'_>, linear: DialError, answered: &[AtAmplitude]) -> (Verdic
         validity.first_beyond_shape_deviation,
         "the shape of the mode changes with the amplitude",
     ));
-    let unknown = [of.error_bar.frequency_relative, linear.frequency_relative].contains(&None)
-        || answered.iter().any(|one| one.ratio.is_some() && one.interval.is_none());
-    if unknown {
+    if [of.error_bar.frequency_relative, linear.frequency_relative].contains(&None) {
         found.push((
             Verdict::WithCare,
             format!("the numerical error is not known: {}", of.error_bar.source),
+        ));
+    } else if answered.iter().any(|one| one.ratio.is_some() && one.interval.is_none()) {
+        found.push((
+            Verdict::WithCare,
+            "the numerical error of the damping is not known".into(),
         ));
     }
     let worst = found.iter().map(|(verdict, _)| *verdict).max();

@@ -30,6 +30,12 @@ const FINEST: usize = 1000;
 /// Populations at which errors are measured, if there are more.
 const MEASURED: usize = 8;
 
+/// Springs of a law that the pressures at rest are found with.
+const COUNT_BEFORE: usize = 128;
+
+/// Interferences of a population that are known before others are found between them.
+const KNOWN: usize = 64;
+
 /// Springs about an interference at rest that are tried.
 const COUNTS_ABOUT: [usize; 8] = [24, 32, 40, 48, 56, 64, 96, 128];
 
@@ -45,8 +51,9 @@ pub struct ResolvedReport {
     /// Largest interference that they were chosen for (m) (mean over the populations); asperities beyond are in two bins. Equally
     /// spaced bins reach to the largest gap, springs to this interference.
     pub reach: f64,
-    /// Measured relative errors of elastic asperities in these bins: normal traction, tangential stiffness, dissipated energy.
-    pub bin_errors: [f64; 3],
+    /// Measured relative errors of elastic asperities in these bins: normal traction, tangential stiffness, dissipated energy. None of springs
+    /// before the pressures under the bolt loads are known.
+    pub bin_errors: Option<[f64; 3]>,
     /// Radii of an asperity; none where it slips as a whole.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radii: Option<usize>,
@@ -107,8 +114,8 @@ impl Parts for AsperityBins {
 }
 
 impl Parts for Foundation {
-    /// Fewer would do from a tenth of gross slip on. A spring costs a twentieth of an asperity with eight annuli, and below that few springs slip.
-    const COUNTS: &'static [usize] = &[64, 96, 128];
+    /// Of springs that are evenly spaced alone.
+    const COUNTS: &'static [usize] = &[];
 
     fn gauss(source: &Source<'_>, count: usize, shifts: &[f64]) -> Result<Vec<Self>, Error> {
         Ok(source.growth()?.springs(count, shifts)?)
@@ -167,6 +174,34 @@ impl Source<'_> {
     }
 }
 
+/// Interferences of a population by its pressure.
+struct Inverse(Vec<[f64; 2]>);
+
+impl Inverse {
+    /// Up to four times the reach.
+    fn of(source: &Source<'_>) -> Self {
+        let at = (0..=KNOWN).map(|i| BEYOND_REACH * source.reach * (i as f64 / KNOWN as f64).powi(2));
+        Self(at.map(|u| [u, source.curves.normal(u).0]).collect())
+    }
+
+    /// The interference at a pressure (Pa), within 1e-6 of the reach; at most the largest that is known.
+    fn at(&self, curves: &dyn ContactCurves, pressure: f64) -> f64 {
+        let above = self.0.partition_point(|[_, known]| *known < pressure);
+        let (Some(&[mut low, _]), Some(&[mut high, _])) = (self.0.get(above.saturating_sub(1)), self.0.get(above))
+        else {
+            return self.0[KNOWN][0];
+        };
+        for _ in 0..18 {
+            let middle = 0.5 * (low + high);
+            match curves.normal(middle).0 < pressure {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        0.5 * (low + high)
+    }
+}
+
 impl Asperities {
     /// The law of all points, from the pressures of the bolts.
     pub(super) fn resolved_law(
@@ -199,7 +234,7 @@ impl Asperities {
                 (Some(AsperityFriction::MindlinIwan(Radii::equally_spaced(n)?)), Some(n))
             }
         };
-        let report = |bins, bin_errors| ResolvedReport {
+        let report = |bins, bin_errors: Option<[f64; 3]>| ResolvedReport {
             bins,
             reach: mean(&|source| source.reach),
             bin_errors,
@@ -209,9 +244,20 @@ impl Asperities {
         let Some(friction) = friction else {
             let (springs, bins, errors) = match (law.bins, pressures.at_rest) {
                 (Bins::Error(_) | Bins::Gauss(_), Some(at_rest)) => {
-                    self.springs_about(&sources, law.bins, element_of, (pressures.mean, at_rest))?
+                    let (springs, count, errors) =
+                        self.springs_about(&sources, law.bins, element_of, (pressures.mean, at_rest))?;
+                    (springs, count, Some(errors))
                 }
-                _ => self.parts::<Foundation>(&sources, law.bins, element_of)?,
+                (Bins::EquallySpaced(_), _) => {
+                    let (springs, count, errors) = self.parts::<Foundation>(&sources, law.bins, element_of)?;
+                    (springs, count, Some(errors))
+                }
+                // A law that the pressures at rest are found with.
+                (Bins::Error(_) | Bins::Gauss(_), None) => {
+                    let (springs, count) =
+                        self.parts_of::<Foundation>(&sources, Bins::Gauss(COUNT_BEFORE), COUNT_BEFORE, element_of)?;
+                    (springs, count, None)
+                }
             };
             let population_of = element_of.iter().map(|&e| self.of_element[e as usize]).collect();
             let mu = mu.clone();
@@ -229,7 +275,7 @@ impl Asperities {
         };
         let (bins, count, errors) = self.parts::<AsperityBins>(&sources, law.bins, element_of)?;
         let law = ResolvedLaw::try_new(bins, mu.clone(), friction, law.cone)?.with_limit(law.limit)?;
-        Ok((Arc::new(law), report(count, errors)))
+        Ok((Arc::new(law), report(count, Some(errors))))
     }
 
     /// Springs of all points about their interferences at rest, from the mean pressure (Pa) and those at the points over it; their number, and
@@ -275,9 +321,10 @@ impl Asperities {
         };
         let (count, errors) = fewest(bins, &COUNTS_ABOUT, errors)?;
         let first_of_element = |point: usize| element_of[..point].partition_point(|e| *e < element_of[point]);
+        let inverses: Vec<Inverse> = sources.par_iter().map(Inverse::of).collect();
         let springs = (0..element_of.len()).into_par_iter().map(|point| {
             let population = self.of_element[element_of[point] as usize] as usize;
-            let rest = interference_at(sources[population].curves, at_rest[point] * mean);
+            let rest = inverses[population].at(sources[population].curves, at_rest[point] * mean);
             let place = place(element_of[point], point - first_of_element(point));
             growths[population].springs_about(rest, count, place as f64 / PLACES as f64)
         });
@@ -295,7 +342,18 @@ impl Asperities {
         element_of: &[u32],
     ) -> Result<(PointParameters<P>, usize, [f64; 3]), Error> {
         let (count, errors) = count::<P>(sources, bins)?;
+        let (parts, most) = self.parts_of(sources, bins, count, element_of)?;
+        Ok((parts, most, errors))
+    }
 
+    /// `count` parts of each population at all points, and most parts at a point.
+    fn parts_of<P: Parts>(
+        &self,
+        sources: &[Source<'_>],
+        bins: Bins,
+        count: usize,
+        element_of: &[u32],
+    ) -> Result<(PointParameters<P>, usize), Error> {
         // The sets that points need: a population, and a place of its parts.
         let mut first = 0;
         let key = |(point, &element): (usize, &u32)| {
@@ -326,7 +384,7 @@ impl Asperities {
             .map(|(population, place)| needed[population][place])
             .collect();
         let most = sets.iter().map(P::len).max().unwrap_or(0);
-        Ok((PointParameters::try_indexed(sets, index)?, most, errors))
+        Ok((PointParameters::try_indexed(sets, index)?, most))
     }
 }
 
