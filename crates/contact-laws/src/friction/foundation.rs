@@ -198,7 +198,7 @@ impl Foundation {
 
     /// The same of springs about interferences, of which each stands beside its springs: cycles are at those alone.
     pub fn errors_about(sets: &[(f64, Vec<Self>)], reference: &Self, reach: f64, smallest: f64) -> [f64; 3] {
-        let interferences: Vec<f64> = between_third_and_whole(reach, 100).collect();
+        let interferences: Vec<f64> = between_third_and_whole(reach, 1000).collect();
         let all: Vec<Self> = sets.iter().flat_map(|(_, springs)| springs.iter().cloned()).collect();
         let numbers: Vec<usize> = (0..all.len()).collect();
         let mut first = 0;
