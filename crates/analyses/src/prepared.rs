@@ -234,11 +234,9 @@ impl Prepared {
     /// What solves need of it.
     pub(super) fn solver(&self) -> Solver<'_> {
         Solver {
-            model: &self.model,
-            options: &self.options,
             loop_elements: &self.loop_elements,
             neighbours: &self.derivatives.neighbours,
-            beside: None,
+            ..Solver::of(&self.model, &self.options)
         }
     }
 }

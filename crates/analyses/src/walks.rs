@@ -80,10 +80,10 @@ pub(super) fn beside(
         };
         let scene = dial.with(scene, other);
         let other = SceneInterface::knowing(Some(interface), &scene, mesh, parts, load).ok();
-        let interface = match (dial, interface.pressures_at_rest(load)) {
+        let interface = match (dial, interface.pressures_at_rest()) {
             // Other points have other pressures.
             (Dial::Points, _) | (_, None) => other.and_then(|other| settled(&scene, other)),
-            (_, Some(pressures)) => other.and_then(|other| other.about(&pressures, load).ok()),
+            (_, Some(pressures)) => other.and_then(|other| other.about(pressures, load).ok()),
         };
         Some(Beside { dial, interface })
     };

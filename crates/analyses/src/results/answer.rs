@@ -2,6 +2,7 @@
 //! limits the result and whether it can be relied on.
 
 use super::amplitudes::{BackboneSummary, Status};
+use super::trends;
 use crate::dials::{Dial, DialError};
 use crate::error_bar::ErrorBar;
 use crate::uncertainty::{Band, Spread};
@@ -182,7 +183,10 @@ fn amplitudes(backbone: &[BackboneSummary]) -> Vec<f64> {
 fn between(at: f64, [from, to]: [f64; 2], values: [f64; 2]) -> f64 {
     match values[0] == values[1] || from == to {
         true => values[0],
-        false => values[0] * (values[1] / values[0]).powf((at / from).ln() / (to / from).ln()),
+        false => {
+            let [low, high] = values.map(f64::ln);
+            trends::at(&[(from, low), (to, high)], at).map_or(values[0], f64::exp)
+        }
     }
 }
 

@@ -191,8 +191,7 @@ impl Foundation {
     pub fn errors(sets: &[Self], reference: &Self, reach: f64, smallest: f64) -> [f64; 3] {
         // The stiffness has a step at every spring.
         let interferences: Vec<f64> = between_third_and_whole(reach, 1000).collect();
-        let cycles: Vec<usize> = (0..sets.len()).collect();
-        let cycles: Vec<(f64, &[usize])> = interferences.iter().map(|u| (*u, cycles.as_slice())).collect();
+        let cycles: Vec<(f64, Range<usize>)> = interferences.iter().map(|u| (*u, 0..sets.len())).collect();
         Self::errors_in(sets, reference, (&interferences, &cycles), reach, smallest)
     }
 
@@ -200,21 +199,20 @@ impl Foundation {
     pub fn errors_about(sets: &[(f64, Vec<Self>)], reference: &Self, reach: f64, smallest: f64) -> [f64; 3] {
         let interferences: Vec<f64> = between_third_and_whole(reach, 1000).collect();
         let all: Vec<Self> = sets.iter().flat_map(|(_, springs)| springs.iter().cloned()).collect();
-        let numbers: Vec<usize> = (0..all.len()).collect();
         let mut first = 0;
         let cycles = sets.iter().map(|(rest, springs)| {
-            let own = &numbers[first..first + springs.len()];
-            first += springs.len();
+            let own = first..first + springs.len();
+            first = own.end;
             (*rest, own)
         });
-        let cycles: Vec<(f64, &[usize])> = cycles.collect();
+        let cycles: Vec<(f64, Range<usize>)> = cycles.collect();
         Self::errors_in(&all, reference, (&interferences, &cycles), reach, smallest)
     }
 
     fn errors_in(
         sets: &[Self],
         reference: &Self,
-        (interferences, cycles): (&[f64], &[(f64, &[usize])]),
+        (interferences, cycles): (&[f64], &[(f64, Range<usize>)]),
         reach: f64,
         smallest: f64,
     ) -> [f64; 3] {

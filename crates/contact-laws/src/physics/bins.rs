@@ -7,6 +7,7 @@ use crate::parameters::{Bounds, Parameter};
 use crate::physics::elastic_plastic::Asperity;
 use crate::physics::population::{AsperityPopulation, GapDistribution};
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// Most bins of a population.
 pub const MAX_BINS: usize = 1024;
@@ -112,8 +113,7 @@ impl AsperityBins {
         let sets: Vec<_> = sets.iter().map(Self::parts).collect();
         let forms: [&dyn Fn(f64) -> f64; 2] = [&|w| w * root(w), &root];
         let interferences: Vec<f64> = between_third_and_whole(reach, 40).collect();
-        let all: Vec<usize> = (0..sets.len()).collect();
-        let cycles: Vec<(f64, &[usize])> = interferences.iter().map(|u| (*u, all.as_slice())).collect();
+        let cycles: Vec<(f64, Range<usize>)> = interferences.iter().map(|u| (*u, 0..sets.len())).collect();
         let cycles = (cycles.as_slice(), reach - reference.gaps[0]);
         relative_errors(&sets, reference.parts(), &interferences, cycles, smallest, forms)
     }
@@ -267,7 +267,7 @@ pub(crate) fn relative_errors(
     sets: &[[&[f64]; 2]],
     reference: [&[f64]; 2],
     interferences: &[f64],
-    (cycles, gross): (&[(f64, &[usize])], f64),
+    (cycles, gross): (&[(f64, Range<usize>)], f64),
     smallest: f64,
     [force, stiffness]: [&dyn Fn(f64) -> f64; 2],
 ) -> [f64; 3] {
@@ -285,7 +285,7 @@ pub(crate) fn relative_errors(
         let of = |w: f64| force(w) * (slips - w).max(0.0);
         let (mut found, mut expected) = (0.0, 0.0);
         for (u, own) in cycles {
-            found += own.iter().map(|set| sum(sets[*set], *u, &of)).sum::<f64>() / own.len() as f64;
+            found += sets[own.clone()].iter().map(|set| sum(*set, *u, &of)).sum::<f64>() / own.len() as f64;
             expected += sum(reference, *u, &of);
         }
         (found / expected - 1.0).abs()

@@ -35,20 +35,24 @@ pub struct Asperities {
     pub(super) finish: Option<Arc<(FinishReport, Option<[FlatnessForm; 2]>)>>,
 }
 
+/// The asperities of a measured surface.
+///
+/// # Errors
+/// Of statistics that are none.
+pub fn measured_population(surface: &MeasuredSurface) -> Result<AsperityPopulation, Error> {
+    let values = surface.gap_quantiles;
+    let last = (values.len() - 1) as f64;
+    let probabilities: Vec<f64> = (0..values.len()).map(|i| i as f64 / last).collect();
+    let gaps = GapDistribution::try_from_quantiles(&probabilities, values)?;
+    let radii = [surface.effective_radius; 2];
+    Ok(AsperityPopulation::try_new(gaps, surface.asperities_per_area, radii)?)
+}
+
 impl Asperities {
     /// Measured statistics, the same everywhere.
     pub(super) fn measured(surface: &MeasuredSurface, scene: &Scene, mesh: &InterfaceMesh) -> Result<Self, Error> {
-        let values = surface.gap_quantiles;
-        let last = (values.len() - 1) as f64;
-        let probabilities: Vec<f64> = (0..values.len()).map(|i| i as f64 / last).collect();
-        let radius = surface.effective_radius;
-        let population = AsperityPopulation::try_new(
-            GapDistribution::try_from_quantiles(&probabilities, values)?,
-            surface.asperities_per_area,
-            [radius, radius],
-        )?;
         Self {
-            populations: vec![population],
+            populations: vec![measured_population(surface)?],
             known: None,
             height: 1.0,
             of_element: vec![0; mesh.elements.len()],

@@ -247,6 +247,20 @@ impl Asperities {
 }
 
 impl BuiltLaw {
+    /// The law of the same asperities for other pressures.
+    pub(super) fn about(
+        self,
+        scene: &Scene,
+        element_of: &[u32],
+        mu: &PointParameters<f64>,
+        pressures: Pressures<'_>,
+    ) -> Result<Self, Error> {
+        let of = &self.asperities;
+        let NamedLaw { law, resolved, .. } =
+            of.traction_law(scene, element_of, mu, &self.sums, &self.fits, pressures)?;
+        Ok(Self { law, resolved, ..self })
+    }
+
     /// Mean stiffnesses (Pa/m) at a closure, and the report.
     pub(super) fn describe(
         &self,

@@ -15,13 +15,14 @@ mod surface;
 mod variation;
 mod work;
 
-pub use asperities::Asperities;
+pub use asperities::{Asperities, measured_population};
 pub use finish::{FinishReport, FinishedFace, FinishedSurface, GreenwoodWilliamsonParameters};
 pub use force::InterfaceForce;
 pub use given::curves_of_element;
 pub use law::{AsperityReport, LawReport};
 pub use pressed::BoundaryElementsReport;
 pub use resolved::ResolvedReport;
+pub use stiffness::interference_at;
 pub use surface::{
     FileReport, Profile, SCHEMA_VERSION as SURFACE_SCHEMA_VERSION, ScannedSurface, SurfaceReport, in_frame, synthetic,
 };
@@ -57,7 +58,7 @@ pub struct SceneInterface {
     operators: Arc<Operators>,
     /// The parts, in the order of their points.
     parts: Vec<PartLaw>,
-    /// Pressures at rest that laws follow, over the mean one of the bolts.
+    /// Pressures at the points at rest that laws follow (Pa).
     at_rest: Option<Vec<f64>>,
 }
 
@@ -185,13 +186,13 @@ impl PartLaw {
 
     /// With its law for the pressures at rest, where it follows them.
     fn about(self, pressures: Pressures<'_>) -> Result<Self, Error> {
-        let from = match &self.from {
-            Source::Asperities(built) if self.follows_rest() => {
-                let asperities = built.asperities.varied(&self.scene)?;
-                let built = asperities.law(&self.scene, &self.operators, &self.element_of, &self.mu, pressures)?;
+        let follows = self.follows_rest();
+        let from = match self.from {
+            Source::Asperities(built) if follows => {
+                let built = built.about(&self.scene, &self.element_of, &self.mu, pressures)?;
                 Source::Asperities(Box::new(built))
             }
-            _ => return Ok(self),
+            from => from,
         };
         Ok(Self { from, ..self })
     }
@@ -406,12 +407,9 @@ impl SceneInterface {
         load > 0.0 && self.parts.iter().any(PartLaw::follows_rest)
     }
 
-    /// Pressures at rest that laws follow (Pa), under the bolt loads `load` (N); none before [`Self::about`].
-    pub fn pressures_at_rest(&self, load: f64) -> Option<Vec<f64>> {
-        let mean = load / self.operators.area();
-        self.at_rest
-            .as_ref()
-            .map(|all| all.iter().map(|share| share * mean).collect())
+    /// Pressures at the points at rest that laws follow (Pa); none before [`Self::about`].
+    pub fn pressures_at_rest(&self) -> Option<&[f64]> {
+        self.at_rest.as_deref()
     }
 
     /// The interface with laws that follow the pressures at the points (Pa) under the bolt loads `load` (N).
@@ -420,18 +418,17 @@ impl SceneInterface {
     /// As [`SceneInterface::try_new`].
     pub fn about(self, pressures: &[f64], load: f64) -> Result<Self, Error> {
         let mean = load / self.operators.area();
-        let at_rest: Vec<f64> = pressures.iter().map(|pressure| pressure.max(0.0) / mean).collect();
         let mut first = 0;
         let mut parts = Vec::with_capacity(self.parts.len());
         for (part, report) in self.parts.into_iter().zip(self.reports) {
             let points = first..first + part.gap.len();
             first = points.end;
-            let at_rest = Some(&at_rest[points]);
+            let at_rest = Some(&pressures[points]);
             parts.push((report.name, part.about(Pressures { mean, at_rest })?));
         }
         let joined = Self::of_parts(self.operators, parts, load)?;
         Ok(Self {
-            at_rest: Some(at_rest),
+            at_rest: Some(pressures.to_vec()),
             ..joined
         })
     }
@@ -462,7 +459,7 @@ impl SceneInterface {
         let mean = load / self.operators.area();
         for part in &self.parts {
             let points = gap.len()..gap.len() + part.gap.len();
-            let at_rest = self.at_rest.as_ref().map(|all| &all[points.clone()]);
+            let at_rest = self.pressures_at_rest().map(|all| &all[points.clone()]);
             let (law, of_part) = part.realisation(k, Pressures { mean, at_rest })?;
             laws.push((points, law));
             gap.extend(of_part);

@@ -72,8 +72,8 @@ impl Pressed {
         let n = outlines.len();
         let count = n.min(MOST_ELEMENTS);
         let chosen: Vec<usize> = (0..count).map(|i| (2 * i + 1) * n / (2 * count)).collect();
-        let key = key(work, scanned, &chosen);
-        let stored = work.options.cache.as_deref().map(|directory| (directory, &key));
+        let stored = (work.options.cache.as_deref()).map(|directory| (directory, key(work, scanned, &chosen)));
+        let stored = stored.as_ref();
         let elements = match stored.and_then(|(directory, key)| cache::load_elements(directory, key)) {
             Some(elements) => {
                 work.progress

@@ -5,6 +5,6 @@
 pub(super) struct Pressures<'a> {
     /// Of the bolts over the whole interface (Pa).
     pub(super) mean: f64,
-    /// At the points under the bolt loads, over the mean; none before they are known.
+    /// At the points under the bolt loads (Pa); none before they are known.
     pub(super) at_rest: Option<&'a [f64]>,
 }

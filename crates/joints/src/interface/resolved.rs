@@ -2,7 +2,7 @@
 
 use super::asperities::Asperities;
 use super::pressures::Pressures;
-use super::stiffness::{as_dyn, interference_at};
+use super::stiffness::{as_dyn, between, interference_at};
 use crate::Error;
 use contact_laws::friction::foundation::BEYOND_REACH;
 use contact_laws::{
@@ -187,17 +187,10 @@ impl Inverse {
     /// The interference at a pressure (Pa), within 1e-6 of the reach; at most the largest that is known.
     fn at(&self, curves: &dyn ContactCurves, pressure: f64) -> f64 {
         let above = self.0.partition_point(|[_, known]| *known < pressure);
-        let (Some(&[mut low, _]), Some(&[mut high, _])) = (self.0.get(above.saturating_sub(1)), self.0.get(above))
-        else {
+        let (Some([low, _]), Some([high, _])) = (self.0.get(above.saturating_sub(1)), self.0.get(above)) else {
             return self.0[KNOWN][0];
         };
-        for _ in 0..18 {
-            let middle = 0.5 * (low + high);
-            match curves.normal(middle).0 < pressure {
-                true => low = middle,
-                false => high = middle,
-            }
-        }
+        let [low, high] = between(curves, pressure, [*low, *high], 18);
         0.5 * (low + high)
     }
 }
@@ -244,8 +237,7 @@ impl Asperities {
         let Some(friction) = friction else {
             let (springs, bins, errors) = match (law.bins, pressures.at_rest) {
                 (Bins::Error(_) | Bins::Gauss(_), Some(at_rest)) => {
-                    let (springs, count, errors) =
-                        self.springs_about(&sources, law.bins, element_of, (pressures.mean, at_rest))?;
+                    let (springs, count, errors) = self.springs_about(&sources, law.bins, element_of, at_rest)?;
                     (springs, count, Some(errors))
                 }
                 (Bins::EquallySpaced(_), _) => {
@@ -278,14 +270,13 @@ impl Asperities {
         Ok((Arc::new(law), report(count, Some(errors))))
     }
 
-    /// Springs of all points about their interferences at rest, from the mean pressure (Pa) and those at the points over it; their number, and
-    /// their errors.
+    /// Springs of all points about their interferences at rest, from the pressures there (Pa); their number, and their errors.
     fn springs_about(
         &self,
         sources: &[Source<'_>],
         bins: Bins,
         element_of: &[u32],
-        (mean, at_rest): (f64, &[f64]),
+        at_rest: &[f64],
     ) -> Result<(PointParameters<Foundation>, usize, [f64; 3]), Error> {
         let growths = sources.par_iter().map(Source::growth).collect::<Vec<_>>();
         let growths = growths.into_iter().collect::<Result<Vec<_>, _>>()?;
@@ -320,13 +311,12 @@ impl Asperities {
             largest(measured.par_iter().zip(&finest).map(of_one).collect::<Vec<_>>())
         };
         let (count, errors) = fewest(bins, &COUNTS_ABOUT, errors)?;
-        let first_of_element = |point: usize| element_of[..point].partition_point(|e| *e < element_of[point]);
+        let places = places(element_of);
         let inverses: Vec<Inverse> = sources.par_iter().map(Inverse::of).collect();
         let springs = (0..element_of.len()).into_par_iter().map(|point| {
             let population = self.of_element[element_of[point] as usize] as usize;
-            let rest = inverses[population].at(sources[population].curves, at_rest[point] * mean);
-            let place = place(element_of[point], point - first_of_element(point));
-            growths[population].springs_about(rest, count, place as f64 / PLACES as f64)
+            let rest = inverses[population].at(sources[population].curves, at_rest[point]);
+            growths[population].springs_about(rest, count, places[point] as f64 / PLACES as f64)
         });
         let springs = springs.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
         let most = springs.iter().map(Parts::len).max().unwrap_or(0);
@@ -355,18 +345,12 @@ impl Asperities {
         element_of: &[u32],
     ) -> Result<(PointParameters<P>, usize), Error> {
         // The sets that points need: a population, and a place of its parts.
-        let mut first = 0;
-        let key = |(point, &element): (usize, &u32)| {
-            if element != element_of[first] {
-                first = point;
-            }
-            let place = match bins {
-                Bins::EquallySpaced(_) => 0,
-                Bins::Error(_) | Bins::Gauss(_) => place(element, point - first),
-            };
-            (self.of_element[element as usize], place)
+        let places = match bins {
+            Bins::EquallySpaced(_) => vec![0; element_of.len()],
+            Bins::Error(_) | Bins::Gauss(_) => places(element_of),
         };
-        let keys: Vec<(u32, usize)> = element_of.iter().enumerate().map(key).collect();
+        let key = |(place, &element): (usize, &u32)| (self.of_element[element as usize], place);
+        let keys: Vec<(u32, usize)> = places.into_iter().zip(element_of).map(key).collect();
         let mut needed: BTreeMap<u32, BTreeMap<usize, u32>> = BTreeMap::new();
         for &(population, place) in &keys {
             needed.entry(population).or_default().insert(place, 0);
@@ -386,6 +370,18 @@ impl Asperities {
         let most = sets.iter().map(P::len).max().unwrap_or(0);
         Ok((PointParameters::try_indexed(sets, index)?, most))
     }
+}
+
+/// The places of the bins at all points, those of an element one after the other.
+fn places(element_of: &[u32]) -> Vec<usize> {
+    let mut first = 0;
+    let of_point = |(point, &element): (usize, &u32)| {
+        if element != element_of[first] {
+            first = point;
+        }
+        place(element, point - first)
+    };
+    element_of.iter().enumerate().map(of_point).collect()
 }
 
 /// The place of the bins at a point of an element. Golden sections spread the points of an element; elements are independent of each other, so that

@@ -48,21 +48,30 @@ pub(super) fn stuck_stiffness(law: &dyn TractionLaw, point: usize, u: f64) -> [f
 }
 
 /// The interference at which curves carry a pressure; bisection on a rising function.
-pub(super) fn interference_at(curves: &dyn ContactCurves, pressure: f64) -> f64 {
+pub fn interference_at(curves: &dyn ContactCurves, pressure: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1e-9);
     while curves.normal(high).0 < pressure && high < 1.0 {
         low = high;
         high *= 2.0;
     }
-    for _ in 0..60 {
+    between(curves, pressure, [low, high], 60)[1]
+}
+
+/// A bracket of that interference after so many halvings.
+pub(super) fn between(
+    curves: &dyn ContactCurves,
+    pressure: f64,
+    [mut low, mut high]: [f64; 2],
+    halvings: u32,
+) -> [f64; 2] {
+    for _ in 0..halvings {
         let middle = 0.5 * (low + high);
-        if curves.normal(middle).0 < pressure {
-            low = middle;
-        } else {
-            high = middle;
+        match curves.normal(middle).0 < pressure {
+            true => low = middle,
+            false => high = middle,
         }
     }
-    high
+    [low, high]
 }
 
 /// Any curves.

@@ -3,12 +3,12 @@
 use analyses::run_samples;
 use anyhow::{Context, Result, bail};
 use brake_reuss_beam::BrakeReussBenchmark;
-use contact_laws::{
-    AsperityPopulation, AsperitySumCurves, ContactCurves, ElasticPair, GapDistribution, TangentialReading,
-};
+use brake_reuss_beam::published::steel;
+use contact_laws::{AsperitySumCurves, ContactCurves, ElasticPair, TangentialReading};
 use host::{BENCHMARKS, provenance};
 use joint_model::Benchmark;
 use joints::Options;
+use joints::interface::{interference_at, measured_population};
 use microslip::Defaults;
 use microslip::progress::Monitor;
 use scenes::Scene;
@@ -90,25 +90,10 @@ fn exponents() -> Result<Value> {
     let surface = BrakeReussBenchmark
         .surface()
         .context("the beam has a measured surface")?;
-    let last = (surface.gap_quantiles.len() - 1) as f64;
-    let probabilities: Vec<f64> = (0..surface.gap_quantiles.len()).map(|i| i as f64 / last).collect();
-    let population = AsperityPopulation::try_new(
-        GapDistribution::try_from_quantiles(&probabilities, surface.gap_quantiles)?,
-        surface.asperities_per_area,
-        [surface.effective_radius; 2],
-    )?;
-    let curves = AsperitySumCurves::try_new(population, ElasticPair::new(192.85e9, 0.29), TangentialReading::Mindlin)?;
-    let stiffness = |pressure: f64| {
-        let (mut low, mut high) = (0.0, 1e-3);
-        for _ in 0..100 {
-            let middle = 0.5 * (low + high);
-            match curves.normal(middle).0 < pressure {
-                true => low = middle,
-                false => high = middle,
-            }
-        }
-        curves.tangential(low)[0].value
-    };
+    let steel = steel();
+    let steel = ElasticPair::new(steel.youngs_modulus, steel.poisson_ratio);
+    let curves = AsperitySumCurves::try_new(measured_population(&surface)?, steel, TangentialReading::Mindlin)?;
+    let stiffness = |pressure: f64| curves.tangential(interference_at(&curves, pressure))[0].value;
     let between = |from: f64, to: f64| (stiffness(to) / stiffness(from)).ln() / (to / from).ln();
     let ends = PRESSURES.map(|pressure| between(pressure, 1.01 * pressure));
     Ok(json!({
@@ -116,4 +101,28 @@ fn exponents() -> Result<Value> {
         "low": ends[0].min(ends[1]),
         "high": ends[0].max(ends[1]),
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exponents_are_those_recorded() {
+        let record = include_str!("../../../../fixtures/validation/tests.json");
+        let record: Value = serde_json::from_str(record).unwrap_or_default();
+        let rows = record["found"].as_array().map_or(&[][..], Vec::as_slice);
+        let recorded = rows
+            .iter()
+            .find(|row| row["name"] == "exponent")
+            .map(|row| &row["predicted"]);
+        let found = exponents().unwrap_or_default();
+        for figure in ["nominal", "low", "high"] {
+            let (a, b) = (recorded.and_then(|of| of[figure].as_f64()), found[figure].as_f64());
+            assert!(
+                a.zip(b).is_some_and(|(a, b)| (a - b).abs() < 1e-6),
+                "{figure}: {a:?} {b:?}"
+            );
+        }
+    }
 }
