@@ -13,7 +13,7 @@ use crate::Error;
 use cqsma_solver::cqsma::{self, Cycles, Settings};
 use cqsma_solver::sensitivity::Derivatives;
 use cqsma_solver::{BackbonePoint, NewtonSettings};
-use faer::Mat;
+use dense_algebra::SystemMatrix;
 use joints::interface::InterfaceForce;
 use joints::progress::{Progress, Stage};
 use joints::store::checkpoint::{Checkpoint, Checkpoints};
@@ -330,13 +330,15 @@ impl<'a> Request<'a> {
     /// together.
     fn separation(&self, shape: &[f64]) -> Option<f64> {
         let (vibrating, load) = (self.about.vibrating, self.static_load);
-        let apart = uniform(self.reduced, 1.0);
+        let apart = uniform(vibrating, 1.0);
         let normals = || (2..vibrating.n_relative).step_by(3);
-        let along = |matrix: &Mat<f64>, left: &[f64]| -> f64 {
-            let entry = |j| matrix.col(j).iter().zip(left).map(|(a, b)| a * b).sum::<f64>();
-            normals().map(entry).sum()
+        let along = |matrix: &SystemMatrix, left: &[f64]| -> f64 {
+            let mut forces = vec![0.0; left.len()];
+            matrix.as_ref().multiply(left, &mut forces);
+            normals().map(|j| forces[j]).sum()
         };
-        let stiffnesses: f64 = normals().map(|j| vibrating.stiffness[(j, j)]).sum();
+        let diagonal = vibrating.stiffness.as_ref().diagonal();
+        let stiffnesses: f64 = normals().map(|j| diagonal[j]).sum();
         if along(&vibrating.stiffness, &apart) > FREE_OF_ENERGY * stiffnesses {
             return None;
         }
@@ -350,7 +352,7 @@ impl<'a> Request<'a> {
 
 /// A uniform jump along the normal (m), over the reduced coordinates.
 pub(super) fn uniform(reduced: &ReducedModel, closure: f64) -> Vec<f64> {
-    let mut jump = vec![0.0; reduced.mass.nrows()];
+    let mut jump = vec![0.0; reduced.size()];
     jump[2..reduced.n_relative]
         .iter_mut()
         .step_by(3)

@@ -243,7 +243,7 @@ impl CaseStructure {
 
     /// Coordinates of the reduced model.
     pub fn size(&self) -> usize {
-        self.model.reduced.mass.nrows()
+        self.model.reduced.size()
     }
 
     pub(super) fn reduced(&self) -> &ReducedModel {

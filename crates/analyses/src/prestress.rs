@@ -134,13 +134,13 @@ fn describe(
         &mut contact,
         None,
     );
-    let stiffness = &reduced.stiffness;
+    let mut elastic = vec![0.0; u.len()];
+    reduced.stiffness.as_ref().multiply(u, &mut elastic);
     let (mut residual, mut loads) = (0.0, 0.0);
     // Along the normal: what is missing in the balance, and the loads.
     let (mut missing, mut pressing) = (0.0_f64, 0.0);
     for i in 0..nd {
-        let elastic: f64 = stiffness.col(i).iter().zip(u).map(|(k, u)| k * u).sum();
-        let out_of_balance = elastic + contact[i] - static_load[i];
+        let out_of_balance = elastic[i] + contact[i] - static_load[i];
         residual += out_of_balance.abs();
         loads += static_load[i].abs() + rest[i].abs();
         if i % 3 == 2 {
@@ -188,14 +188,14 @@ pub(crate) fn linearise<'a>(
     if scene.bolts.behaviour == BoltBehaviour::Locked {
         // The jump acts on the contact; the other coordinates of the locked structure count from the prestress.
         displacement.truncate(vibrating.n_relative);
-        displacement.resize(vibrating.mass.nrows(), 0.0);
+        displacement.resize(vibrating.size(), 0.0);
     }
     let (stiffness, mass) = (vibrating.stiffness.as_ref(), vibrating.mass.as_ref());
     let about = |n_modes: usize| {
         let (displacement, state) = (displacement.clone(), solution.state.clone());
         modes::linearise(stiffness, mass, force, displacement, state, n_modes)
     };
-    let wanted = scene.analyses.modes.number.min(mass.nrows());
+    let wanted = scene.analyses.modes.number.min(mass.size());
     let mut line = about(wanted).or_else(|error| {
         use cqsma_solver::Error::{Dense, Setting};
         if !matches!(
@@ -205,7 +205,10 @@ pub(crate) fn linearise<'a>(
             return Err(error);
         }
         // Massless coordinates have no modes of their own.
-        match dense_algebra::rank(mass).map_err(cqsma_solver::Error::from)? {
+        let Some(dense) = mass.dense() else {
+            return Err(error);
+        };
+        match dense_algebra::rank(dense).map_err(cqsma_solver::Error::from)? {
             rank if (1..wanted).contains(&rank) => about(rank),
             _ => Err(error),
         }
@@ -231,7 +234,7 @@ pub(crate) fn response(model: &ReducedModel) -> Vec<f64> {
 
 /// Load of tensions of the bolts (N) on the reduced coordinates (N).
 pub(super) fn load_of(reduced: &ReducedModel, tensions: &[f64]) -> Vec<f64> {
-    let mut load = vec![0.0; reduced.mass.nrows()];
+    let mut load = vec![0.0; reduced.size()];
     for (tension, unit) in tensions.iter().zip(&reduced.loads) {
         load.iter_mut()
             .zip(unit)

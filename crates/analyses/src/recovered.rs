@@ -14,7 +14,7 @@ use super::prepared::Prepared;
 use super::prestress::linearise;
 use super::solver::Solver;
 use crate::Error;
-use dense_algebra::{add_product, product, symmetric_eigen};
+use dense_algebra::{SystemMatrix, product, symmetric_eigen};
 use faer::{Mat, MatRef};
 use finite_elements::mesh::Mesh;
 use finite_elements::recovery::StrainErrors;
@@ -86,11 +86,12 @@ impl Prepared {
         let n = errors.n_motions;
         let lacking = Mat::from_fn(n, n, |i, j| errors.products[n * i + j]);
         let mut softer = self.model.clone();
-        softer.reduced.stiffness = softened(
-            self.model.reduced.stiffness.as_ref(),
-            motions.as_ref(),
-            lacking.as_ref(),
-        )?;
+        softer.reduced.stiffness = softened(&self.model.reduced.stiffness, motions.as_ref(), lacking.as_ref())?;
+        if let (SystemMatrix::Blocks(stiffness), SystemMatrix::Blocks(mass)) =
+            (&softer.reduced.stiffness, &self.model.reduced.mass)
+        {
+            softer.reduced.mass = SystemMatrix::Blocks(mass.over_bases(stiffness.bases()));
+        }
         let solver = Solver {
             model: &softer,
             neighbours: &[],
@@ -141,7 +142,7 @@ impl Prepared {
             });
             columns.extend(peaks);
         }
-        let over_vibrating = Mat::from_fn(vibrating.mass.nrows(), columns.len(), |i, j| columns[j][i]);
+        let over_vibrating = Mat::from_fn(vibrating.size(), columns.len(), |i, j| columns[j][i]);
         unlocked(&self.model, scene.bolts.behaviour, over_vibrating)
     }
 }
@@ -170,8 +171,12 @@ fn chosen(mode: &ModeAnalysis) -> Vec<usize> {
 ///
 /// With motions `v` that are orthonormal in the stiffness `k` and the matrix `p` of what they lack, `k^-1 + v p v^T` is the new
 /// flexibility, whose inverse is `k - k v (1 + p)^-1 p v^T k`: it stays positive whatever `p` is.
-fn softened(stiffness: MatRef<'_, f64>, motions: MatRef<'_, f64>, lacking: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
-    let forces = product(stiffness, motions);
+fn softened(
+    stiffness: &SystemMatrix,
+    motions: MatRef<'_, f64>,
+    lacking: MatRef<'_, f64>,
+) -> Result<SystemMatrix, Error> {
+    let forces = stiffness.as_ref().product(motions);
     let n = motions.ncols();
     let energies = product(motions.transpose(), forces.as_ref());
     let size = |i: usize| energies[(i, i)].max(f64::MIN_POSITIVE).sqrt();
@@ -187,13 +192,13 @@ fn softened(stiffness: MatRef<'_, f64>, motions: MatRef<'_, f64>, lacking: MatRe
     let (shares, turned) = symmetric_eigen(own.as_ref()).map_err(dense)?;
     let basis = product(basis.as_ref(), turned.as_ref());
     let forces = product(forces.as_ref(), basis.as_ref());
-    let weighted = Mat::from_fn(forces.nrows(), forces.ncols(), |i, j| {
-        let share = shares[j].max(0.0);
-        forces[(i, j)] * share / (1.0 + share)
-    });
-    let mut softer = stiffness.to_owned();
-    add_product(softer.as_mut(), weighted.as_ref(), forces.transpose(), -1.0);
-    Ok(dense_algebra::symmetric(softer.as_ref()))
+    let taken: Vec<(f64, &[f64])> = (0..forces.ncols())
+        .map(|j| {
+            let share = shares[j].max(0.0);
+            (-share / (1.0 + share), forces.col_as_slice(j))
+        })
+        .collect();
+    Ok(stiffness.clone().plus_outer(&taken))
 }
 
 /// What the elements have of the error of the first motion.

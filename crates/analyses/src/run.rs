@@ -83,7 +83,7 @@ impl Run {
     #[must_use]
     pub fn without_matrices(mut self) -> Self {
         let reduced = &mut self.model.reduced;
-        (reduced.mass, reduced.stiffness, reduced.recovery) = (Mat::new(), Mat::new(), Mat::new());
+        (reduced.mass, reduced.stiffness, reduced.recovery) = (Mat::new().into(), Mat::new().into(), Mat::new());
         self
     }
 }

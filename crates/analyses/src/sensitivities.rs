@@ -7,6 +7,7 @@ use cqsma_solver::Linearisation;
 use cqsma_solver::cqsma::LoopResult;
 use cqsma_solver::prestress::Prestress;
 use cqsma_solver::sensitivity::{Change, Derivatives, LoopRate, ModeRate, ParameterRate, StaticRate, static_rates};
+use dense_algebra::SystemMatrix;
 use faer::Mat;
 use harmonic_balance::backbone::{self, Motion, MotionRate, Point};
 use joints::interface::{InterfaceForce, SceneInterface};
@@ -260,11 +261,14 @@ impl Neighbours {
             .models
             .as_ref()
             .map_or([reduced; 2], |[above, below]| [above, below]);
-        let matrix = |of: &dyn Fn(&ReducedModel) -> &Mat<f64>| {
-            self.models.as_ref().map(|_| {
-                let (a, b) = (of(above), of(below));
-                Mat::from_fn(a.nrows(), a.ncols(), |i, j| (a[(i, j)] - b[(i, j)]) / apart)
-            })
+        let matrix = |of: &dyn Fn(&ReducedModel) -> &SystemMatrix| {
+            let (a, b) = self
+                .models
+                .as_ref()
+                .and(of(above).as_ref().dense().zip(of(below).as_ref().dense()))?;
+            Some(Mat::from_fn(a.nrows(), a.ncols(), |i, j| {
+                (a[(i, j)] - b[(i, j)]) / apart
+            }))
         };
         let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b) / apart).collect();
         Ingredients {
@@ -347,9 +351,14 @@ impl<'a> Sensitivities<'a> {
         assembled: &InterfaceForce<'_>,
         prestress: &Prestress<State>,
     ) -> Result<Self, Error> {
+        let Some(stiffness) = reduced.stiffness.as_ref().dense() else {
+            return Err(Error::Derivatives {
+                of: "a structure in blocks of its joints; a `model.coupling_tolerance` of 0 makes its matrices dense",
+            });
+        };
         let ingredients: Vec<Ingredients<'_>> = neighbours.iter().map(|one| one.ingredients(reduced)).collect();
         let changes: Vec<_> = ingredients.iter().map(Ingredients::change).collect();
-        let statics = static_rates(reduced.stiffness.as_ref(), assembled, prestress, &changes);
+        let statics = static_rates(stiffness, assembled, prestress, &changes);
         let statics = statics.ok_or(Error::Derivatives {
             of: "the static state, whose tangent is singular",
         })?;

@@ -311,8 +311,9 @@ impl Points {
 
 /// `u^T K u / 2` (J).
 fn stored(reduced: &ReducedModel, u: &[f64]) -> f64 {
-    let row = |i: usize| reduced.stiffness.col(i).iter().zip(u).map(|(k, u)| k * u).sum::<f64>();
-    u.iter().enumerate().map(|(i, u)| 0.5 * u * row(i)).sum()
+    let mut forces = vec![0.0; u.len()];
+    reduced.stiffness.as_ref().multiply(u, &mut forces);
+    u.iter().zip(forces).map(|(u, force)| 0.5 * u * force).sum()
 }
 
 /// What happens at the points in a state that is committed, and the energy that its shear gives back with everything stuck at

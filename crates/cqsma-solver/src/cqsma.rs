@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::force::HystereticForce;
 use crate::hysteresis::Loop;
-use crate::linear::{Motion, dot, multiply};
+use crate::linear::{Motion, dot};
 use crate::modes::{Linearisation, Mode};
 use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
@@ -476,7 +476,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
                 let q = tracer.modal_amplitude();
                 let rest: Vec<f64> = v.iter().zip(&tracer.mode.shape).map(|(v, phi)| v - q * phi).collect();
                 let mut momentum = vec![0.0; v.len()];
-                multiply(structure.mass, &rest, &mut momentum);
+                structure.mass.multiply(&rest, &mut momentum);
                 let orthogonal = dot(&rest, &momentum).max(0.0);
                 deviation = deviation.max((orthogonal / (q * q + orthogonal)).sqrt());
             }

@@ -25,6 +25,13 @@ impl PatternView<'_> {
         sum
     }
 
+    /// Rows, columns and values of a matrix of this pattern.
+    pub fn entries(self, values: &[f64]) -> impl Iterator<Item = (usize, usize, f64)> {
+        (0..self.indptr.len() - 1).flat_map(move |row| {
+            (self.indptr[row]..self.indptr[row + 1]).map(move |k| (row, self.indices[k], values[k]))
+        })
+    }
+
     /// `y += matrix * x` over the leading coordinates.
     pub fn add_product(self, values: &[f64], x: &[f64], y: &mut [f64]) {
         for (row, y) in y.iter_mut().enumerate().take(self.indptr.len() - 1) {

@@ -3,9 +3,10 @@
 
 use crate::Error;
 use crate::force::PatternView;
-use dense_algebra::{ConjugateResiduals, Inner, ReflectedInverse, Reflection, Symmetric, Vector};
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use dense_algebra::{
+    ConjugateResiduals, Factor, Inner, Inverse, ReflectedInverse, Reflection, SystemMatrixRef, Vector,
+};
+use faer::{Mat, MatRef};
 
 /// Most GMRES steps before the direct solve takes over.
 const MAX_KRYLOV: usize = 100;
@@ -25,20 +26,6 @@ const POWERS: usize = 8;
 
 /// Most directions that are kept for right-hand sides that share a matrix.
 const MOST_SEARCHED: usize = 400;
-
-/// `y = a x`.
-pub(crate) fn multiply(a: MatRef<'_, f64>, x: &[f64], y: &mut [f64]) {
-    let x = MatRef::from_column_major_slice(x, x.len(), 1);
-    let rows = y.len();
-    matmul(
-        MatMut::from_column_major_slice_mut(y, rows, 1),
-        Accum::Replace,
-        a,
-        x,
-        1.0,
-        Par::Seq,
-    );
-}
 
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
@@ -126,33 +113,53 @@ pub(crate) struct Stuck {
 /// `P^-1`.
 #[derive(Clone, Debug)]
 enum Flexibility {
-    Whole(Symmetric),
+    Whole(Inverse),
     /// Where a reflection leaves `P` as it is.
     Reflected(ReflectedInverse),
 }
 
 impl Stuck {
     /// That of `stiffness + tangent`, with a symmetric `tangent`. Where one of the `reflections` leaves the stiffness as it is, and the contact nearly, the
-    /// contact is that of its mean with its image; otherwise the lower Cholesky factor is there too.
+    /// contact is that of its mean with its image.
     pub(crate) fn try_new(
-        stiffness: MatRef<'_, f64>,
+        stiffness: SystemMatrixRef<'_>,
         pattern: PatternView<'_>,
         tangent: &[f64],
         reflections: Vec<Reflection>,
-    ) -> Result<(Self, Option<Mat<f64>>), Error> {
-        if stiffness.nrows() >= LEAST_REFLECTED {
-            for reflection in reflections {
-                if let Some(found) = Self::reflected(stiffness, pattern, tangent, reflection)? {
-                    return Ok((found, None));
-                }
+    ) -> Result<Self, Error> {
+        match Self::near_image(stiffness, pattern, tangent, reflections)? {
+            Some(found) => Ok(found),
+            None => {
+                let factor = stiffness.to_owned().factor_plus(pattern.entries(tangent))?;
+                Ok(Self::of_factor(factor, tangent))
             }
         }
-        let lower = dense_algebra::cholesky_in_place(pattern.added_to(stiffness, tangent))?;
-        let whole = Self {
-            flexibility: Flexibility::Whole(Symmetric::inverse_of_factor(lower.as_ref())),
+    }
+
+    /// The same of a matrix that is factored.
+    pub(crate) fn of_factor(factor: Factor, tangent: &[f64]) -> Self {
+        Self {
+            flexibility: Flexibility::Whole(factor.into_inverse()),
             tangent: tangent.to_vec(),
+        }
+    }
+
+    /// That with the mean of the contact and its image, where a reflection allows it.
+    pub(crate) fn near_image(
+        stiffness: SystemMatrixRef<'_>,
+        pattern: PatternView<'_>,
+        tangent: &[f64],
+        reflections: Vec<Reflection>,
+    ) -> Result<Option<Self>, Error> {
+        let Some(stiffness) = stiffness.dense().filter(|matrix| matrix.nrows() >= LEAST_REFLECTED) else {
+            return Ok(None);
         };
-        Ok((whole, Some(lower)))
+        for reflection in reflections {
+            if let Some(found) = Self::reflected(stiffness, pattern, tangent, reflection)? {
+                return Ok(Some(found));
+            }
+        }
+        Ok(None)
     }
 
     fn reflected(
@@ -218,7 +225,7 @@ impl Stuck {
         let mut size: Vec<f64> = force.iter().map(|f| f.abs()).collect();
         pattern.add_product(&tangent, &u, &mut size);
         let diagonal: Vec<f64> = match &self.flexibility {
-            Flexibility::Whole(inverse) => inverse.diagonal().collect(),
+            Flexibility::Whole(inverse) => inverse.diagonal(),
             Flexibility::Reflected(inverse) => inverse.diagonal(),
         };
         let squares = size.iter().zip(diagonal).map(|(f, c)| f * f * c);
@@ -271,7 +278,7 @@ pub(crate) fn symmetrised(pattern: PatternView<'_>, values: &[f64]) -> Vec<f64> 
 /// `-lambda M` in the matrix, and a border that keeps the solution mass-orthogonal to `u`, with `M u` beside it for the
 /// change of `lambda`.
 pub(crate) struct Border<'a> {
-    pub(crate) mass: MatRef<'a, f64>,
+    pub(crate) mass: SystemMatrixRef<'a>,
     pub(crate) lambda: f64,
     /// The force `M u`, and the stuck structure's response to it.
     pub(crate) inertia: &'a Motion,
@@ -285,18 +292,19 @@ impl Border<'_> {
     }
 }
 
-/// Solves `(stiffness + tangent) x = b`, or the bordered system, by LU; `None` if the matrix is numerically singular.
+/// Solves `(stiffness + tangent) x = b`, or the bordered system, by LU; `None` if the matrix is numerically singular, or in blocks.
 pub(crate) fn solve_direct(
-    stiffness: MatRef<'_, f64>,
+    stiffness: SystemMatrixRef<'_>,
     pattern: PatternView<'_>,
     tangent: &[f64],
     border: Option<&Border<'_>>,
     b: &[f64],
 ) -> Option<Vec<f64>> {
-    let matrix = pattern.added_to(stiffness, tangent);
+    let matrix = pattern.added_to(stiffness.dense()?, tangent);
     let Some(Border { mass, lambda, inertia }) = border else {
         return dense_algebra::solve_general(matrix, b);
     };
+    let mass = mass.dense()?;
     let n = b.len();
     // The border has the unit of the matrix; its scale only enters the unknown that is dropped.
     let largest = inertia.p.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
@@ -350,7 +358,7 @@ pub(crate) fn solve_krylov(
         match border {
             None => image.p.fill(0.0),
             Some(border) => {
-                multiply(border.mass, &basis[step].v, &mut image.p);
+                border.mass.multiply(&basis[step].v, &mut image.p);
                 image.p.iter_mut().for_each(|p| *p *= -border.lambda);
             }
         }

@@ -3,17 +3,17 @@
 use crate::Error;
 use crate::error::check_size;
 use crate::force::{HystereticForce, PatternView};
-use crate::linear::{RoundOff, Stuck, UnitLoad, multiply, solve_krylov, symmetrised};
+use crate::linear::{RoundOff, Stuck, UnitLoad, solve_krylov, symmetrised};
 use crate::newton::Equilibrium;
 use contact_laws::Sticking;
-use dense_algebra::{Inner, Limits};
-use faer::{Mat, MatRef};
+use dense_algebra::{Inner, Limits, SystemMatrixRef};
+use faer::Mat;
 
 /// The prestressed structure, ready for its loops.
 #[derive(Clone, Debug)]
 pub struct Linearisation<'a, S> {
-    pub(crate) stiffness: MatRef<'a, f64>,
-    pub(crate) mass: MatRef<'a, f64>,
+    pub(crate) stiffness: SystemMatrixRef<'a>,
+    pub(crate) mass: SystemMatrixRef<'a>,
     pub(crate) stuck: Stuck,
     /// Tangent of the stuck contact (symmetrised).
     pub(crate) tangent: Vec<f64>,
@@ -30,7 +30,7 @@ pub struct Linearisation<'a, S> {
     pub limits: Limits<'a>,
 }
 
-impl<S> Linearisation<'_, S> {
+impl<'a, S> Linearisation<'a, S> {
     /// Displacements of the static state.
     pub fn displacement(&self) -> &[f64] {
         &self.displacement
@@ -47,12 +47,12 @@ impl<S> Linearisation<'_, S> {
     }
 
     /// Stiffness without contact.
-    pub fn stiffness(&self) -> MatRef<'_, f64> {
+    pub fn stiffness(&self) -> SystemMatrixRef<'a> {
         self.stiffness
     }
 
     /// Mass.
-    pub fn mass(&self) -> MatRef<'_, f64> {
+    pub fn mass(&self) -> SystemMatrixRef<'a> {
         self.mass
     }
 
@@ -166,7 +166,7 @@ impl Mode {
         };
         let shape: Vec<f64> = structure.shapes.col(mode).iter().copied().collect();
         let mut force = vec![0.0; shape.len()];
-        multiply(structure.mass, &shape, &mut force);
+        structure.mass.multiply(&shape, &mut force);
         // The contact may differ from the one of the preconditioner: P v = M phi + dT phi / omega^2.
         let mut held = vec![0.0; shape.len()];
         let tangents = structure.stuck.tangent().iter().zip(&structure.tangent);
@@ -193,15 +193,16 @@ impl Mode {
 /// Sizes that do not match; [`Error::Dense`] if the stuck structure can still move freely; [`Error::Setting`] if there
 /// are fewer than `n_modes` modes.
 pub fn linearise<'a, F: HystereticForce>(
-    stiffness: MatRef<'a, f64>,
-    mass: MatRef<'a, f64>,
+    stiffness: impl Into<SystemMatrixRef<'a>>,
+    mass: impl Into<SystemMatrixRef<'a>>,
     force: &F,
     displacement: Vec<f64>,
     state: F::State,
     n_modes: usize,
 ) -> Result<Linearisation<'a, F::State>, Error> {
-    let n = stiffness.nrows();
-    check_size("the mass matrix", mass.nrows(), n)?;
+    let (stiffness, mass) = (stiffness.into(), mass.into());
+    let n = stiffness.size();
+    check_size("the mass matrix", mass.size(), n)?;
     check_size("the prestress displacement", displacement.len(), n)?;
     let nc = force.n_dofs();
     let mut tangent = vec![0.0; force.pattern().indices.len()];
@@ -229,20 +230,17 @@ pub fn linearise<'a, F: HystereticForce>(
         None,
     );
     let tangent = symmetrised(force.pattern(), &tangent);
-    let (stuck, lower) = Stuck::try_new(stiffness, force.pattern(), &tangent, force.reflections())?;
-    let lower = match lower {
-        Some(lower) => lower,
-        None => dense_algebra::cholesky_in_place(force.pattern().added_to(stiffness, &tangent))?,
-    };
-    let (eigenvalues, shapes) =
-        dense_algebra::lowest_pairs(lower.as_ref(), mass, n_modes.min(n)).map_err(|error| match error {
-            dense_algebra::Error::Rank { .. } => Error::Setting {
-                field: "n_modes",
-                value: n_modes as f64,
-                requirement: "no more than the rank of a finite, positive semi-definite mass matrix",
-            },
-            other => other.into(),
-        })?;
+    let near = Stuck::near_image(stiffness, force.pattern(), &tangent, force.reflections())?;
+    let factor = stiffness.to_owned().factor_plus(force.pattern().entries(&tangent))?;
+    let (eigenvalues, shapes) = factor.lowest_pairs(mass, n_modes.min(n)).map_err(|error| match error {
+        dense_algebra::Error::Rank { .. } => Error::Setting {
+            field: "n_modes",
+            value: n_modes as f64,
+            requirement: "no more than the rank of a finite, positive semi-definite mass matrix",
+        },
+        other => other.into(),
+    })?;
+    let stuck = near.unwrap_or_else(|| Stuck::of_factor(factor, &tangent));
     let u = &displacement[..nc];
     Ok(Linearisation {
         stiffness,

@@ -1,10 +1,9 @@
 //! Newton's method for the equilibrium of a structure with a hysteretic force.
 
 use crate::force::HystereticForce;
-use crate::linear::{Border, Motion, RoundOff, Stuck, dot, multiply, solve_direct, solve_krylov};
+use crate::linear::{Border, Motion, RoundOff, Stuck, dot, solve_direct, solve_krylov};
 use contact_laws::{RegimeCounts, Sticking};
-use dense_algebra::{Limits, Vector};
-use faer::MatRef;
+use dense_algebra::{Limits, SystemMatrixRef, Vector};
 
 /// Round-off of the forces, relative to that of one evaluation, that a residual may add up to.
 const NOISE: f64 = 8.0;
@@ -46,6 +45,12 @@ pub enum Reason {
     /// The linear system has no solution.
     #[error("the tangent is singular")]
     Singular,
+    /// The linear system of a structure in blocks, which has no direct solver, was not solved.
+    #[error(
+        "a linear system was not solved: joints slip or open so much that the stuck structure tells little of them; take a smaller amplitude, or \
+         `model.joints: together`"
+    )]
+    Unsolved,
     /// A motion of given amplitude whose shape is not that of its neighbour.
     #[error("the solution belongs to another mode")]
     OtherMode,
@@ -145,7 +150,7 @@ pub enum LinearSolver {
 /// `K v + F(u0 + v) - F0 = load`: equilibrium in increments `v` from a reference state, so that small increments do not
 /// drown in the round-off of the prestress.
 pub(crate) struct Equilibrium<'a, F: HystereticForce> {
-    pub(crate) stiffness: MatRef<'a, f64>,
+    pub(crate) stiffness: SystemMatrixRef<'a>,
     pub(crate) force: &'a F,
     pub(crate) stuck: &'a Stuck,
     pub(crate) reference: &'a [f64],
@@ -163,7 +168,7 @@ pub(crate) enum Load<'a> {
     Pattern(&'a [f64]),
     /// The inertia `lambda M v` of the motion itself, whose modal amplitude `sqrt(v^T M v)` is the factor; `lambda` is
     /// found along with the motion.
-    Inertia(MatRef<'a, f64>),
+    Inertia(SystemMatrixRef<'a>),
 }
 
 /// What a solve must reach.
@@ -241,7 +246,7 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
     /// amplitude of the goal; returns the residual's energy norm.
     fn evaluate(&self, sequence: &mut Sequence<F>, goal: &Goal<'_>) -> (f64, RegimeCounts) {
         if let Load::Inertia(mass) = goal.load {
-            multiply(mass, &sequence.trial.v, &mut sequence.inertia.p);
+            mass.multiply(&sequence.trial.v, &mut sequence.inertia.p);
             let factor = goal.factor / dot(&sequence.trial.v, &sequence.inertia.p).sqrt();
             sequence.trial.scale(factor);
             sequence.inertia.p.iter_mut().for_each(|p| *p *= factor);
@@ -333,10 +338,10 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
                 return Some(step);
             }
         }
-        sequence.effort.factorisations += 1;
+        sequence.effort.factorisations += usize::from(self.stiffness.dense().is_some());
         let v = solve_direct(self.stiffness, pattern, tangent, border, &sequence.residual.p)?;
         let mut p = vec![0.0; v.len()];
-        multiply(self.stiffness, &v, &mut p);
+        self.stiffness.multiply(&v, &mut p);
         pattern.add_product(self.stuck.tangent(), &v, &mut p);
         Some(Motion { v, p })
     }
@@ -400,7 +405,11 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
                 .max(if is_small { BALANCING } else { 0.1 * target / merit })
                 .min(0.5);
             let Some(step) = self.step(sequence, goal.load, merit, forcing, solver) else {
-                return fail(or_unbalanced(Reason::Singular), history);
+                let reason = match self.stiffness {
+                    SystemMatrixRef::Dense(_) => Reason::Singular,
+                    SystemMatrixRef::Blocks(_) => Reason::Unsolved,
+                };
+                return fail(or_unbalanced(reason), history);
             };
             let mut length = 1.0;
             let mut best = (f64::INFINITY, 1.0);

@@ -1,11 +1,10 @@
 //! Equilibria along a load factor: prediction, step halving, commits.
 
 use crate::force::HystereticForce;
-use crate::linear::{Motion, UnitLoad, dot, multiply};
+use crate::linear::{Motion, UnitLoad, dot};
 use crate::newton::{Balance, Equilibrium, Failure, Goal, LinearSolver, Load, NewtonSettings, Reason, Sequence};
 use contact_laws::{RegimeCounts, Sticking};
-use dense_algebra::Vector;
-use faer::MatRef;
+use dense_algebra::{SystemMatrixRef, Vector};
 
 /// Smallest step of the load factor, relative to its range, before a failure is final.
 const SMALLEST_STEP: f64 = 1e-3;
@@ -37,7 +36,7 @@ pub(crate) struct Path<'a, F: HystereticForce> {
     /// Largest factor of the path: tolerances and smallest steps refer to it.
     pub(crate) range: f64,
     /// Given: the factor is the amplitude of the motion, the load its own inertia, and the unit load a first guess.
-    pub(crate) mass: Option<MatRef<'a, f64>>,
+    pub(crate) mass: Option<SystemMatrixRef<'a>>,
     pub(crate) sticking: Sticking,
     pub(crate) solver: LinearSolver,
     pub(crate) settings: NewtonSettings,
@@ -122,7 +121,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
             &neighbour.v
         };
         let mut inertia = vec![0.0; known.len()];
-        multiply(mass, known, &mut inertia);
+        mass.multiply(known, &mut inertia);
         let common = dot(&self.sequence.motion.v, &inertia) / factor;
         if common * common < SAME_MODE * dot(known, &inertia) {
             return Err(Failure {

@@ -3,12 +3,11 @@
 use crate::Error;
 use crate::error::check_size;
 use crate::force::HystereticForce;
-use crate::linear::{Motion, Stuck, UnitLoad, multiply, symmetrised};
+use crate::linear::{Motion, Stuck, UnitLoad, symmetrised};
 use crate::newton::{Effort, Equilibrium, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
 use contact_laws::{RegimeCounts, Sticking};
-use dense_algebra::{Inner, Limits};
-use faer::MatRef;
+use dense_algebra::{Inner, Limits, SystemMatrixRef};
 
 /// A static equilibrium.
 #[derive(Clone, Debug)]
@@ -49,8 +48,8 @@ const MOST_SEARCHES: usize = 5;
 ///
 /// # Errors
 /// Sizes that do not match, and [`Error::Dense`] if `start` leaves the structure loose.
-pub fn solve<F: HystereticForce>(
-    stiffness: MatRef<'_, f64>,
+pub fn solve<'a, F: HystereticForce>(
+    stiffness: impl Into<SystemMatrixRef<'a>>,
     force: &F,
     load: &[f64],
     start: &[f64],
@@ -64,15 +63,16 @@ pub fn solve<F: HystereticForce>(
 ///
 /// # Errors
 /// As [`solve`].
-pub fn solve_after<F: HystereticForce>(
+pub fn solve_after<'a, F: HystereticForce>(
     history: &F::State,
-    stiffness: MatRef<'_, f64>,
+    stiffness: impl Into<SystemMatrixRef<'a>>,
     force: &F,
     load: &[f64],
     start: &[f64],
     settings: &NewtonSettings,
 ) -> Result<Result<Prestress<F::State>, Failure>, Error> {
-    let n = stiffness.nrows();
+    let stiffness = stiffness.into();
+    let n = stiffness.size();
     check_size("the static load", load.len(), n)?;
     check_size("the starting guess", start.len(), n)?;
     let rest = Rest::new(force);
@@ -207,7 +207,7 @@ impl Lost {
 /// One search from `start`, whose work is added up; `load` is that less the forces `rest` of the contact at rest.
 fn search<F: HystereticForce>(
     history: &F::State,
-    stiffness: MatRef<'_, f64>,
+    stiffness: SystemMatrixRef<'_>,
     force: &F,
     load: &[f64],
     rest: &[f64],
@@ -216,7 +216,7 @@ fn search<F: HystereticForce>(
     settings: &NewtonSettings,
     work: &mut Work,
 ) -> Result<Result<Solved<F::State>, Lost>, Error> {
-    let n = stiffness.nrows();
+    let n = stiffness.size();
     let nc = force.n_dofs();
     let mut tangent = vec![0.0; force.pattern().indices.len()];
     let mut contact = vec![0.0; nc];
@@ -231,10 +231,10 @@ fn search<F: HystereticForce>(
         Some(&mut tangent),
     );
     let tangent = symmetrised(force.pattern(), &tangent);
-    let (stuck, _) = Stuck::try_new(stiffness, force.pattern(), &tangent, force.reflections())?;
+    let stuck = Stuck::try_new(stiffness, force.pattern(), &tangent, force.reflections())?;
     let mut guess = Motion::zero(n);
     guess.v.copy_from_slice(start);
-    multiply(stiffness, start, &mut guess.p);
+    stiffness.multiply(start, &mut guess.p);
     force.pattern().add_product(stuck.tangent(), start, &mut guess.p);
     let unit = UnitLoad {
         force: load.to_vec(),

@@ -25,11 +25,12 @@
 
 use crate::force::HystereticForce;
 use crate::hysteresis::Loop;
-use crate::linear::{TransposedSolves, dot, multiply};
+use crate::linear::{TransposedSolves, dot};
 use crate::modes::{Linearisation, Mode};
 use crate::path::Path;
 use crate::prestress::Prestress;
 use contact_laws::Sticking;
+use dense_algebra::SystemMatrixRef;
 use faer::{Mat, MatRef};
 
 /// Accuracy of the linear solves, relative in the energy norm. Damping is the small difference of large parts, and so is its derivative.
@@ -169,7 +170,7 @@ impl<'a, F: DifferentiableForce> Local<'a, F> {
 fn subtract_product(a: Option<MatRef<'_, f64>>, x: &[f64], y: &mut [f64]) {
     if let Some(a) = a {
         let mut product = vec![0.0; y.len()];
-        multiply(a, x, &mut product);
+        SystemMatrixRef::Dense(a).multiply(x, &mut product);
         y.iter_mut().zip(product).for_each(|(y, product)| *y -= product);
     }
 }
@@ -273,10 +274,10 @@ impl<'a, F: DifferentiableForce> Derivatives<'a, F> {
         let parameters = changes.into_iter().zip(statics).zip(modes);
         let parameters = parameters.map(|((change, given), mode)| {
             let mut unit = vec![0.0; n];
-            multiply(structure.mass, &mode.shape, &mut unit);
+            structure.mass.multiply(&mode.shape, &mut unit);
             if let Some(mass) = change.mass {
                 let mut own = vec![0.0; n];
-                multiply(mass, &followed.shape, &mut own);
+                SystemMatrixRef::Dense(mass).multiply(&followed.shape, &mut own);
                 unit.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
             }
             let state = StaticRate {
@@ -338,7 +339,8 @@ fn mode_rates<F: DifferentiableForce>(
     let mut rights = Vec::with_capacity(changes.len());
     let mut eigenvalues = Vec::with_capacity(changes.len());
     // The border has the unit of the matrix.
-    let matrix = pattern.added_to(structure.stiffness, &structure.tangent);
+    let mass = structure.mass.dense()?;
+    let matrix = pattern.added_to(structure.stiffness.dense()?, &structure.tangent);
     let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |m, v| m.max(v.abs()));
     let scale = largest(&mut matrix.diagonal().column_vector().iter().copied())
         / largest(&mut mode.unit.force.iter().copied()).max(f64::MIN_POSITIVE);
@@ -363,7 +365,7 @@ fn mode_rates<F: DifferentiableForce>(
         let mut of_mass = 0.0;
         if let Some(mass) = change.mass {
             let mut own = vec![0.0; n];
-            multiply(mass, phi, &mut own);
+            SystemMatrixRef::Dense(mass).multiply(phi, &mut own);
             of_mass = dot(&own, phi);
             right.iter_mut().zip(own).for_each(|(r, own)| *r += lambda * own);
         }
@@ -377,7 +379,7 @@ fn mode_rates<F: DifferentiableForce>(
         eigenvalues.push(eigenvalue);
     }
     let bordered = Mat::from_fn(n + 1, n + 1, |i, j| match (i == n, j == n) {
-        (false, false) => matrix[(i, j)] - lambda * structure.mass[(i, j)],
+        (false, false) => matrix[(i, j)] - lambda * mass[(i, j)],
         (true, true) => 0.0,
         _ => scale * mode.unit.force[i.min(j)],
     });
@@ -465,7 +467,7 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 let found = match solves.solve(&right, TOLERANCE) {
                     Some(found) => found.v,
                     None => {
-                        let matrix = pattern.added_to(equilibrium.stiffness, &tangent);
+                        let matrix = pattern.added_to(equilibrium.stiffness.dense()?, &tangent);
                         dense_algebra::solve_general(matrix.transpose().to_owned(), &right)?
                     }
                 };

@@ -6,21 +6,24 @@
 //! And eigenproblems are brought to unit size, because the library's divide-and-conquer step
 //! deflates with an absolute tolerance (a matrix of size 1e12 lost four digits to it, one of size 1e-5 five).
 
+mod blocks;
 mod fingerprint;
 mod limits;
 mod packed;
 mod reflected;
 mod residuals;
-
 mod subspace;
+mod system_matrix;
 mod tiles;
 
+pub use blocks::{BlockInverse, BlockMatrix, leading_basis};
 pub use fingerprint::arithmetic_fingerprint;
 pub use limits::Limits;
 pub use packed::Symmetric;
 pub use reflected::{ReflectedInverse, Reflection};
 pub use residuals::{ConjugateResiduals, Inner, Vector};
 pub use subspace::lowest_pairs;
+pub use system_matrix::{Factor, Inverse, Packed, SystemMatrix, SystemMatrixRef};
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};

@@ -4,12 +4,17 @@
 //! touches. What it leaves on those is added to the front of its parent. If some rows are kept to the end, what is left
 //! there at last is the condensed (Schur) stiffness; and because condensing in steps equals condensing at once, a mass
 //! matrix carried along with each step's static displacements leaves the condensed (Guyan) mass.
+//!
+//! Kept rows may come in groups that lie apart, such as those of the joints of a structure. As soon as all that touches a group is eliminated, what is left
+//! of it couples to what is still to come through few combinations of its rows: these alone are carried on ([`crate::groups`]).
 
 use crate::Error;
+use crate::groups::{Completed, Grouping, Groups, joined};
 use crate::ordering::{Dissection, Part, nested_dissection};
 use crate::sparse::{entries, from_unsorted_rows, sum};
 use dense_algebra::{
-    Limits, add_product, add_product_lower, cholesky_in_place, product_into, solve_lower, solve_lower_transposed,
+    Limits, SystemMatrix, add_product, add_product_lower, cholesky_in_place, product_into, solve_lower,
+    solve_lower_transposed,
 };
 use faer::reborrow::{Reborrow, ReborrowMut};
 use faer::{Mat, MatMut, MatRef};
@@ -116,9 +121,9 @@ impl Piece {
 #[derive(Clone, Debug)]
 pub struct Condensed {
     /// Stiffness over the kept rows, exactly symmetric.
-    pub stiffness: Mat<f64>,
+    pub stiffness: SystemMatrix,
     /// Mass over the kept rows, exactly symmetric.
-    pub mass: Mat<f64>,
+    pub mass: SystemMatrix,
 }
 
 impl std::fmt::Debug for SparseCholesky {
@@ -136,7 +141,7 @@ impl SparseCholesky {
     /// # Errors
     /// [`Error::NotPositiveDefinite`] with the row at which the factorisation stopped.
     pub fn try_new(matrix: &CsMat<f64>, positions: &[[f64; 3]], name: &'static str) -> Result<Self, Error> {
-        let (factor, _) = Elimination::new(&[matrix], positions, 0, &[]).run(name, Limits::default())?;
+        let (factor, _) = Elimination::new(&[matrix], positions, &Groups::none(), &[]).run(name, Limits::default())?;
         Ok(factor)
     }
 
@@ -154,7 +159,7 @@ impl SparseCholesky {
         limits: Limits<'_>,
     ) -> Result<Self, Error> {
         // The elimination has what it needs of the sum, which would be in the way of the factor.
-        let elimination = Elimination::new(&[&sum(stiffness, sigma, mass)], positions, 0, &[]);
+        let elimination = Elimination::new(&[&sum(stiffness, sigma, mass)], positions, &Groups::none(), &[]);
         elimination.refuse_too_large(beside, name, limits)?;
         Ok(elimination.run(name, limits)?.0)
     }
@@ -170,12 +175,12 @@ impl SparseCholesky {
         name: &'static str,
         limits: Limits<'_>,
     ) -> Result<Self, Error> {
-        let elimination = Elimination::new(&[matrix], positions, 0, held);
+        let elimination = Elimination::new(&[matrix], positions, &Groups::none(), held);
         elimination.refuse_too_large(0, name, limits)?;
         Ok(elimination.run(name, limits)?.0)
     }
 
-    /// Factors all rows of `stiffness` but the first `n_kept`, and condenses it and `mass` onto those. The rows `held` of the
+    /// Factors all rows of `stiffness` but the first ones, which are `kept`, and condenses it and `mass` onto those. The rows `held` of the
     /// stiffness, none of them kept, are coupled to no others.
     ///
     /// Right-hand sides and solutions of the factor are over the other rows, in their order.
@@ -186,19 +191,30 @@ impl SparseCholesky {
         stiffness: &CsMat<f64>,
         mass: &CsMat<f64>,
         positions: &[[f64; 3]],
-        n_kept: usize,
+        kept: &Groups,
         held: &[usize],
         name: &'static str,
         limits: Limits<'_>,
     ) -> Result<(Self, Condensed), Error> {
-        let elimination = Elimination::new(&[stiffness, mass], positions, n_kept, held);
+        let elimination = Elimination::new(&[stiffness, mass], positions, kept, held);
         elimination.refuse_too_large(0, name, limits)?;
         let (factor, mut left) = elimination.run(name, limits)?;
-        let kept = factor.n..positions.len();
+        let rows = factor.n..positions.len();
+        if let (Some(grouping), Some(left)) = (&elimination.grouping, &mut left) {
+            let done = std::mem::take(&mut left.done);
+            let [stiffness, mass] = joined(grouping, done, &left.matrices, |which| {
+                let own = elimination.matrices[which]
+                    .iter()
+                    .filter(|(_, (row, _))| *row >= rows.start);
+                own.map(|(value, (row, column))| (row - rows.start, column - rows.start, *value))
+                    .collect()
+            });
+            return Ok((factor, Condensed { stiffness, mass }));
+        }
         let [stiffness, mass] = [0, 1].map(|which| {
-            let mut own = elimination.assemble(which, &kept, &[], left.as_mut_slice()).own;
+            let mut own = elimination.assemble(which, &rows, &[], left.as_mut_slice()).own;
             mirror(&mut own);
-            own
+            SystemMatrix::Dense(own)
         });
         Ok((factor, Condensed { stiffness, mass }))
     }
@@ -370,12 +386,16 @@ struct Elimination {
     matrices: Vec<CsMat<f64>>,
     /// For each part the later positions that it touches by itself or through its children.
     beyond: Vec<Vec<usize>>,
+    /// How kept rows are grouped, if they are.
+    grouping: Option<Grouping>,
 }
 
 /// What eliminated parts leave on later rows: lower triangles over the positions `beyond`, one per matrix.
-struct Update<'a> {
-    beyond: &'a [usize],
+struct Update {
+    beyond: Vec<usize>,
     matrices: Vec<Mat<f64>>,
+    /// Groups of kept rows of which combinations alone are carried on.
+    done: Vec<Completed>,
 }
 
 /// A symmetric matrix over the rows of a part (`own`) and those beyond; only lower triangles are set.
@@ -386,8 +406,8 @@ struct Blocks {
 }
 
 impl Elimination {
-    fn new(matrices: &[&CsMat<f64>], positions: &[[f64; 3]], n_kept: usize, held: &[usize]) -> Self {
-        let n = positions.len();
+    fn new(matrices: &[&CsMat<f64>], positions: &[[f64; 3]], kept: &Groups, held: &[usize]) -> Self {
+        let (n, n_kept) = (positions.len(), kept.len());
         let dissection = nested_dissection(matrices[0], positions, n_kept);
         let order: Vec<usize> = dissection.order.iter().copied().chain(0..n_kept).collect();
         let mut position = vec![0; n];
@@ -403,10 +423,12 @@ impl Elimination {
             .map(|(matrix, alone)| upper_triangle(matrix, &order, &position, alone))
             .collect();
         let beyond = positions_beyond(&dissection, &matrices);
+        let grouping = Grouping::try_new(kept, &dissection, &matrices);
         Self {
             dissection,
             matrices,
             beyond,
+            grouping,
         }
     }
 
@@ -427,7 +449,11 @@ impl Elimination {
         // Of each part: what it leaves, and the most that it and its children take.
         let mut found: Vec<[usize; 2]> = Vec::with_capacity(self.beyond.len());
         for (part, beyond) in self.dissection.parts.iter().zip(&self.beyond) {
-            let (own, below) = (part.rows.len(), beyond.len());
+            let own = part.rows.len();
+            let below = match &self.grouping {
+                Some(grouping) => grouping.expected(found.len(), beyond),
+                None => beyond.len(),
+            };
             let n_matrices = self.matrices.len();
             let (mut waiting, mut most) = (0, 0);
             for &child in &part.children {
@@ -445,7 +471,7 @@ impl Elimination {
     }
 
     /// The factor, and what is left on the kept rows.
-    fn run(&self, name: &'static str, limits: Limits<'_>) -> Result<(SparseCholesky, Option<Update<'_>>), Error> {
+    fn run(&self, name: &'static str, limits: Limits<'_>) -> Result<(SparseCholesky, Option<Update>), Error> {
         let parts = &self.dissection.parts;
         let n_kept = self.matrices[0].rows() - self.dissection.order.len();
         let order = self.dissection.order.iter().map(|row| row - n_kept).collect();
@@ -465,7 +491,7 @@ impl Elimination {
         number: usize,
         name: &'static str,
         limits: Limits<'_>,
-    ) -> Result<(Vec<Vec<Front>>, Update<'_>), Error> {
+    ) -> Result<(Vec<Vec<Front>>, Update), Error> {
         // Between the large products of a front too, as the last fronts are most of the work.
         let go_on = || {
             if limits.stops() {
@@ -477,24 +503,28 @@ impl Elimination {
         go_on()?;
         let part = &self.dissection.parts[number];
         let rows = part.rows.clone();
-        let done: Vec<_> = part
+        let eliminated: Vec<_> = part
             .children
             .par_iter()
             .map(|&child| self.eliminate(child, name, limits))
             .collect();
-        let (mut fronts, mut children) = (Vec::new(), Vec::with_capacity(done.len()));
-        for child in done {
-            let (before, update) = child?;
+        let (mut fronts, mut children, mut done) = (Vec::new(), Vec::with_capacity(eliminated.len()), Vec::new());
+        for child in eliminated {
+            let (before, mut update) = child?;
             fronts.extend(before);
+            done.append(&mut update.done);
             children.push(update);
         }
-        let beyond = &self.beyond[number];
+        let mut beyond = self.beyond[number].clone();
+        if let Some(grouping) = &self.grouping {
+            grouping.replace(number, &mut beyond, children.iter().flat_map(|child| &child.beyond));
+        }
         let n = self.dissection.order.len();
         let Blocks {
             own,
             mut below,
             mut update,
-        } = self.assemble(0, &rows, beyond, &mut children);
+        } = self.assemble(0, &rows, &beyond, &mut children);
         let lower = cholesky_in_place(own).map_err(|error| match error {
             dense_algebra::Error::NotPositiveDefinite { pivot, .. } => Error::NotPositiveDefinite {
                 matrix: name,
@@ -510,7 +540,7 @@ impl Elimination {
         go_on()?;
         let mut matrices = vec![update];
         if self.matrices.len() > 1 {
-            let mut mass = self.assemble(1, &rows, beyond, &mut children);
+            let mut mass = self.assemble(1, &rows, &beyond, &mut children);
             mirror(&mut mass.own);
             // The rows follow those beyond by follow^T: their momentum, and that of the rows beyond, is felt there.
             let mut follow = below.clone();
@@ -527,11 +557,15 @@ impl Elimination {
         let n_beyond = beyond.partition_point(|&position| position < n);
         let below = below.subrows(0, n_beyond);
         fronts.push(Front::panels(rows.start, lower, &beyond[..n_beyond], below));
-        Ok((fronts, Update { beyond, matrices }))
+        if let Some(grouping) = &self.grouping {
+            grouping.complete(number, &mut beyond, &mut matrices, &mut done);
+        }
+        let left = Update { beyond, matrices, done };
+        Ok((fronts, left))
     }
 
     /// A matrix over a part and the positions beyond it, with what the part's children left there, which is freed.
-    fn assemble(&self, which: usize, rows: &Range<usize>, beyond: &[usize], children: &mut [Update<'_>]) -> Blocks {
+    fn assemble(&self, which: usize, rows: &Range<usize>, beyond: &[usize], children: &mut [Update]) -> Blocks {
         let (n_own, n_beyond) = (rows.len(), beyond.len());
         let mut own = Mat::zeros(n_own, n_own);
         let mut below = Mat::zeros(n_beyond, n_own);

@@ -13,6 +13,7 @@ pub mod elements;
 mod error;
 pub mod factor;
 pub mod formats;
+pub mod groups;
 mod material;
 pub mod mesh;
 pub mod ordering;

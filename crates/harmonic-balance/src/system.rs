@@ -23,7 +23,7 @@ use crate::force::{DifferentiablePointwiseForce, PointwiseForce};
 use crate::harmonics::{Harmonics, add_rotated};
 use cqsma_solver::Linearisation;
 use cqsma_solver::sensitivity::ParameterRate;
-use dense_algebra::{Symmetric, Vector};
+use dense_algebra::{Inverse, Packed, Vector};
 use faer::{Mat, MatRef};
 
 /// Denominators of modes closer to resonance than this, relative to their eigenvalue, are kept away from zero.
@@ -116,7 +116,7 @@ const STUCK_SHARE: f64 = 0.02;
 
 /// The structure with the contact's mean tangent over a period in the place of the stuck one, where motions are far from stuck.
 struct Averaged {
-    flexibility: Symmetric,
+    flexibility: Inverse,
     eigenvalues: Vec<f64>,
     shapes: Mat<f64>,
     /// Forces that hold the shapes in the stuck structure.
@@ -132,7 +132,7 @@ pub(crate) struct System<'a, F: PointwiseForce> {
     contact: Contact<'a, F>,
     /// The same at fewer samples.
     coarse: Contact<'a, F>,
-    mass: Symmetric,
+    mass: Packed<'a>,
     /// `M phi_k`, `n x n_modes`.
     momenta: Mat<f64>,
     /// Forces that hold the shapes in the structure of the preconditioner, `P phi_k`.
@@ -178,8 +178,8 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         rayleigh: [f64; 2],
         sampling: Sampling,
     ) -> Self {
-        let mass = Symmetric::from_lower(line.mass());
-        let momenta = dense_algebra::product(line.mass(), line.shapes.as_ref());
+        let mass = line.mass().packed();
+        let momenta = line.mass().product(line.shapes.as_ref());
         let mut elastic = momenta.clone();
         let tangents = line.preconditioner_tangent().iter().zip(line.stuck_tangent());
         let difference: Vec<f64> = tangents.map(|(a, b)| a - b).collect();
@@ -225,23 +225,21 @@ impl<'a, F: PointwiseForce> System<'a, F> {
             *mean = (1.0 - STUCK_SHARE) * *mean + STUCK_SHARE * stuck;
         }
         let pattern = self.force.pattern();
-        let stiffness = pattern.added_to(line.stiffness(), &tangent);
-        let Ok(lower) = dense_algebra::cholesky(stiffness.as_ref()) else {
+        let Ok(factor) = line.stiffness().to_owned().factor_plus(pattern.entries(&tangent)) else {
             return;
         };
-        let Ok((eigenvalues, shapes)) = dense_algebra::lowest_pairs(lower.as_ref(), line.mass(), line.shapes.ncols())
-        else {
+        let Ok((eigenvalues, shapes)) = factor.lowest_pairs(line.mass(), line.shapes.ncols()) else {
             return;
         };
         let difference: Vec<f64> = stuck.iter().zip(&tangent).map(|(stuck, mean)| stuck - mean).collect();
-        let mut forces = dense_algebra::product(line.mass(), shapes.as_ref());
+        let mut forces = line.mass().product(shapes.as_ref());
         for (mode, &eigenvalue) in eigenvalues.iter().enumerate() {
             let force = forces.col_as_slice_mut(mode);
             force.iter_mut().for_each(|f| *f *= eigenvalue);
             pattern.add_product(&difference, shapes.col_as_slice(mode), force);
         }
         self.averaged = Some(Averaged {
-            flexibility: Symmetric::inverse_of_factor(lower.as_ref()),
+            flexibility: factor.into_inverse(),
             eigenvalues,
             shapes,
             forces,
@@ -460,9 +458,8 @@ impl<'a, F: PointwiseForce> System<'a, F> {
     pub(crate) fn restore(&self, unknown: &mut Unknown) {
         let (stiffness, Unknown { v, p, .. }) = (self.line.stiffness(), unknown);
         p.each_column(|column, p| {
-            p.fill(0.0);
             let v = v.column(column);
-            add_product(stiffness, v, p);
+            stiffness.multiply(v, p);
             self.force
                 .pattern()
                 .add_product(self.line.preconditioner_tangent(), v, p);

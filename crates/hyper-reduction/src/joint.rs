@@ -39,7 +39,7 @@ impl<'a> HyperReducedJoint<'a> {
         mode: usize,
         trained: &Trained,
     ) -> Result<Self, Error> {
-        let (n, of_points) = (whole.stiffness().nrows(), interface.operators().n_points());
+        let (n, of_points) = (whole.stiffness().size(), interface.operators().n_points());
         let sizes = [
             ("the motion of a trained coordinate", trained.basis.nrows(), n),
             ("the interface that was trained on", trained.of_points, of_points),
@@ -53,12 +53,12 @@ impl<'a> HyperReducedJoint<'a> {
             0 => shape[i] / omega,
             k => trained.basis[(i, k - 1)],
         });
-        let elastic = product(whole.stiffness(), basis.as_ref());
+        let elastic = whole.stiffness().product(basis.as_ref());
         let jump = &whole.displacement()[..interface.n_dofs()];
         let stuck = whole.stuck_tangent();
         Ok(Self {
             stiffness: product(basis.transpose(), elastic.as_ref()),
-            mass: product(basis.transpose(), product(whole.mass(), basis.as_ref()).as_ref()),
+            mass: product(basis.transpose(), whole.mass().product(basis.as_ref()).as_ref()),
             force: PointForce::new(interface, &trained.points, basis.as_ref(), jump, whole.state(), stuck),
             interface,
             whole,

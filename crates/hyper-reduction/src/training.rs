@@ -5,7 +5,7 @@ use crate::force::{SelectedPoints, at_points, pattern_of};
 use crate::quadrature::{Selection, select};
 use contact_laws::Sticking;
 use cqsma_solver::{Linearisation, LoopObserver, PatternView};
-use dense_algebra::{product, symmetric_eigen};
+use dense_algebra::{SystemMatrixRef, product, symmetric_eigen};
 use faer::{Mat, MatRef};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -256,7 +256,7 @@ pub(crate) fn shape_of(structure: &Linearisation<'_, State>, mode: usize) -> Res
         });
     };
     let shape = structure.shapes.get(.., mode..mode + 1);
-    let inertia = product(structure.mass(), shape);
+    let inertia = structure.mass().product(shape);
     let values = |column: MatRef<'_, f64>| column.col(0).iter().copied().collect();
     Ok((values(shape), values(inertia.as_ref()), eigenvalue.sqrt()))
 }
@@ -280,13 +280,14 @@ pub struct Trained {
 ///
 /// # Errors
 /// [`Error::NothingSlips`], [`Error::TooFewPoints`]; [`Error::Size`] for cases of another structure.
-pub fn train(
+pub fn train<'a>(
     interface: &Interface,
-    stiffness: MatRef<'_, f64>,
+    stiffness: impl Into<SystemMatrixRef<'a>>,
     modes: &[TrainingMode],
     settings: &Settings,
 ) -> Result<Trained, Error> {
-    let (n, of_points) = (stiffness.nrows(), interface.operators().n_points());
+    let stiffness = stiffness.into();
+    let (n, of_points) = (stiffness.size(), interface.operators().n_points());
     for mode in modes {
         let sizes = [
             ("the mode shape of a training case", mode.shape.len(), n),
@@ -369,7 +370,7 @@ pub fn train(
 
 /// The energy of the stuck structure of a case, in which all are measured.
 struct Energy<'a> {
-    stiffness: MatRef<'a, f64>,
+    stiffness: SystemMatrixRef<'a>,
     pattern: PatternView<'a>,
     stuck: &'a [f64],
 }
@@ -377,7 +378,7 @@ struct Energy<'a> {
 impl Energy<'_> {
     /// Forces that hold motions, one per column.
     fn forces(&self, motions: MatRef<'_, f64>) -> Mat<f64> {
-        let mut forces = product(self.stiffness, motions);
+        let mut forces = self.stiffness.product(motions);
         for (motion, force) in motions.col_iter().zip(forces.col_iter_mut()) {
             let motion: Vec<f64> = motion.iter().copied().collect();
             let mut contact = vec![0.0; motion.len()];
@@ -414,7 +415,7 @@ impl Coordinates {
                 columns.extend(own.into_iter().map(|v| v.into_iter().map(|v| v / largest).collect()));
             }
         }
-        let motions = Mat::from_fn(energy.stiffness.nrows(), columns.len(), |i, j| columns[j][i]);
+        let motions = Mat::from_fn(energy.stiffness.size(), columns.len(), |i, j| columns[j][i]);
         drop(columns);
         let forces = energy.forces(motions.as_ref());
         let (values, vectors) = symmetric_eigen(product(motions.transpose(), forces.as_ref()).as_ref())?;

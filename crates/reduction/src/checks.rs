@@ -5,7 +5,7 @@ use crate::craig_bampton::ReducedModel;
 use crate::part_modes::{modes_of_parts, modes_of_rest};
 use crate::relative::RelativeSystem;
 use crate::symmetry::Parts;
-use dense_algebra::Limits;
+use dense_algebra::{Factor, Limits};
 use faer::Mat;
 use finite_elements::eigen::{Modes, count_zero, lowest_modes_within};
 use finite_elements::sparse::sum;
@@ -154,18 +154,14 @@ pub struct ReducedSpectrum {
 /// # Errors
 /// If the stiffness with the interface is not positive definite, or the subspace iteration does not converge.
 pub fn reduced_spectrum(model: &ReducedModel, interface: &CsMat<f64>, n: usize) -> Result<ReducedSpectrum, Error> {
-    let mut stiffness = model.stiffness.clone();
-    for (&value, (i, j)) in interface {
-        stiffness[(i, j)] += value;
-    }
-    let (values, shapes) = lowest_pairs(stiffness, model, n)?;
+    let springs = interface.iter().map(|(&value, (i, j))| (i, j, value));
+    let (values, shapes) = lowest_pairs(model.stiffness.clone().factor_plus(springs)?, model, n)?;
+    let squares = model.stiffness.as_ref().diagonal();
     // A coordinate j that no stiffness couples to others carries the part (omega_j^2 - lambda) eta_j^2 of the Rayleigh
     // quotient; without it, the quotient of what remains of a mode is higher by as much.
-    let without_mode = (model.n_relative..model.mass.nrows() - model.n_attachment)
+    let without_mode = (model.n_relative..model.size() - model.n_attachment)
         .map(|j| {
-            let rise = |(i, lambda): (usize, &f64)| {
-                0.5 * (model.stiffness[(j, j)] - lambda).abs() * shapes[(j, i)].powi(2) / lambda
-            };
+            let rise = |(i, lambda): (usize, &f64)| 0.5 * (squares[j] - lambda).abs() * shapes[(j, i)].powi(2) / lambda;
             values.iter().enumerate().map(rise).fold(0.0, f64::max)
         })
         .collect();
@@ -184,17 +180,16 @@ pub fn reduced_spectrum(model: &ReducedModel, interface: &CsMat<f64>, n: usize) 
 /// If the stiffness is not positive semi-definite, or the subspace iteration does not converge.
 pub fn unstressed_spectrum(model: &ReducedModel, n: usize) -> Result<(usize, Vec<f64>), Error> {
     // The lowest value that one coordinate alone would have: of the order of those that are sought.
-    let alone = |i: usize| model.stiffness[(i, i)] / model.mass[(i, i)];
-    let sigma = (0..model.mass.nrows())
-        .map(alone)
+    let (stiffness, mass) = (model.stiffness.as_ref(), model.mass.as_ref());
+    let alone = stiffness.diagonal().into_iter().zip(mass.diagonal());
+    let sigma = alone
+        .map(|(k, m)| k / m)
         .filter(|w2| *w2 > 0.0)
         .fold(f64::INFINITY, f64::min);
     if sigma.is_infinite() {
-        return Ok((model.zem_stuck + model.mass.nrows(), Vec::new()));
+        return Ok((model.zem_stuck + model.size(), Vec::new()));
     }
-    let shifted = Mat::from_fn(model.mass.nrows(), model.mass.nrows(), |i, j| {
-        model.stiffness[(i, j)] + sigma * model.mass[(i, j)]
-    });
+    let shifted = stiffness.plus(sigma, mass).factor_plus(std::iter::empty())?;
     // The sides of an interface without bolts move rigidly against each other.
     let (values, _) = lowest_pairs(shifted, model, n + 6)?;
     let values: Vec<f64> = values.into_iter().map(|value| value - sigma).collect();
@@ -203,14 +198,16 @@ pub fn unstressed_spectrum(model: &ReducedModel, n: usize) -> Result<(usize, Vec
     Ok((model.zem_stuck + n_zero, elastic.map(frequency).collect()))
 }
 
-fn lowest_pairs(stiffness: Mat<f64>, model: &ReducedModel, n: usize) -> Result<(Vec<f64>, Mat<f64>), Error> {
-    let n = n.min(stiffness.nrows());
-    let lower = dense_algebra::cholesky_in_place(stiffness)?;
-    let lowest = |n: usize| dense_algebra::lowest_pairs(lower.as_ref(), model.mass.as_ref(), n);
-    lowest(n).or_else(|error| {
+fn lowest_pairs(factor: Factor, model: &ReducedModel, n: usize) -> Result<(Vec<f64>, Mat<f64>), Error> {
+    let n = n.min(model.size());
+    let mass = model.mass.as_ref();
+    factor.lowest_pairs(mass, n).or_else(|error| {
+        let Some(dense) = mass.dense() else {
+            return Err(error.into());
+        };
         // Massless coordinates have no modes of their own.
-        match dense_algebra::rank(model.mass.as_ref())? {
-            rank if (1..n).contains(&rank) => Ok(lowest(rank)?),
+        match dense_algebra::rank(dense)? {
+            rank if (1..n).contains(&rank) => Ok(factor.lowest_pairs(mass, rank)?),
             _ => Err(error.into()),
         }
     })

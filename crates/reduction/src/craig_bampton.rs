@@ -11,10 +11,11 @@ use crate::part_modes::{modes_of_parts, modes_of_rest};
 use crate::relative::RelativeSystem;
 use crate::symmetry::Parts;
 use crate::zem::Supported;
-use dense_algebra::{Limits, add_product_lower, product};
+use dense_algebra::{BlockMatrix, Limits, SystemMatrix, add_product_lower, product};
 use faer::{Mat, MatRef};
 use finite_elements::eigen::Modes;
 use finite_elements::factor::Condensed;
+use finite_elements::groups::Groups;
 use finite_elements::sparse::multiply_into;
 use sprs::CsMat;
 
@@ -23,6 +24,9 @@ const N_COMPARED: usize = 8;
 
 /// Largest difference of a quantity that a model recovers from the same quantity of displacements, relative to the terms of its sum.
 const LARGEST_DEVIATION: f64 = 1e-6;
+
+/// What bases may leave out of what acts on the jump, relative to it.
+const SEEN: f64 = 1e-12;
 
 /// Relative distance of eigenvalues whose modes are turned together.
 const EQUAL: f64 = 2e-4;
@@ -41,6 +45,9 @@ pub struct Settings {
     /// Whether the static response of the stuck structure to each load joins the modes, one coordinate per load, so
     /// that the flexibility at the loads is complete. [`ReducedModel::locked`] needs it.
     pub attachment_modes: bool,
+    /// For a structure of several interfaces: what may be left out of the coupling between one and all others, relative to the largest. The matrices are
+    /// then blocks of the interfaces, coupled through few combinations of each ([`dense_algebra::BlockMatrix`]). None for dense ones.
+    pub coupling_tolerance: Option<f64>,
 }
 
 impl Default for Settings {
@@ -51,6 +58,7 @@ impl Default for Settings {
             expected_zem: 6,
             mode_tolerance: 1e-6,
             attachment_modes: false,
+            coupling_tolerance: None,
         }
     }
 }
@@ -59,9 +67,9 @@ impl Default for Settings {
 #[derive(Clone, Debug)]
 pub struct ReducedModel {
     /// Mass (kg) (jump) and 1 (mass-normalised modes).
-    pub mass: Mat<f64>,
+    pub mass: SystemMatrix,
     /// Stiffness (N/m) and `omega^2` (rad^2/s^2); no coupling between jump and modes.
-    pub stiffness: Mat<f64>,
+    pub stiffness: SystemMatrix,
     /// Loads.
     pub loads: Vec<Vec<f64>>,
     /// Number of leading jump coordinates.
@@ -82,7 +90,12 @@ pub struct ReducedModel {
 impl ReducedModel {
     /// Stuck-interface modes, without attachment modes.
     pub fn n_modes(&self) -> usize {
-        self.mass.nrows() - self.n_relative - self.n_attachment
+        self.size() - self.n_relative - self.n_attachment
+    }
+
+    /// Coordinates.
+    pub fn size(&self) -> usize {
+        self.mass.as_ref().size()
     }
 
     /// Turns modes so that each moves with the jump as its counterpart in `other` does, the model of a structure that differs little. Modes
@@ -91,30 +104,44 @@ impl ReducedModel {
     /// # Errors
     /// [`Error::OtherModel`] for other coordinates.
     pub fn align_with(&mut self, other: &Self) -> Result<(), Error> {
-        let (nd, n) = (self.n_relative, self.mass.nrows());
-        if other.n_relative != nd || other.mass.nrows() != n {
+        let (nd, n) = (self.n_relative, self.size());
+        if other.n_relative != nd || other.size() != n {
             return Err(Error::OtherModel { deviation: 1.0 });
         }
-        let mut turn = Mat::<f64>::identity(n, n);
-        let mut first = nd;
-        while first < n {
+        let n_rest = n - nd;
+        let values = self.stiffness.as_ref().diagonal();
+        let (own, others) = (self.momentum_of_rest(), other.momentum_of_rest());
+        let mut turn = Mat::<f64>::identity(n_rest, n_rest);
+        let mut first = 0;
+        while first < n_rest {
             let mut last = first + 1;
-            while last < n && self.stiffness[(last, last)] <= self.stiffness[(last - 1, last - 1)] * (1.0 + EQUAL) {
+            while last < n_rest && values[nd + last] <= values[nd + last - 1] * (1.0 + EQUAL) {
                 last += 1;
             }
-            let (own, others) = (
-                self.mass.submatrix(0, first, nd, last - first),
-                other.mass.submatrix(0, first, nd, last - first),
-            );
-            let common = product(own.transpose(), others);
+            let count = last - first;
+            let common = product(own.subcols(first, count).transpose(), others.subcols(first, count));
             let rotation = dense_algebra::nearest_rotation(common.as_ref())?;
-            turn.submatrix_mut(first, first, last - first, last - first)
-                .copy_from(&rotation);
+            turn.submatrix_mut(first, first, count, count).copy_from(&rotation);
             first = last;
         }
-        let congruent = |a: &Mat<f64>| product(product(turn.transpose(), a.as_ref()).as_ref(), turn.as_ref());
-        self.mass = congruent(&self.mass);
-        self.stiffness = congruent(&self.stiffness);
+        // The modes are the last coordinates of all.
+        let of_last = |count: usize| {
+            let mut whole = Mat::<f64>::identity(count, count);
+            let first = count - n_rest;
+            whole.submatrix_mut(first, first, n_rest, n_rest).copy_from(&turn);
+            whole
+        };
+        let congruent = |a: &Mat<f64>| {
+            let turn = of_last(a.nrows());
+            product(product(turn.transpose(), a.as_ref()).as_ref(), turn.as_ref())
+        };
+        let turned = |matrix: &SystemMatrix| match matrix {
+            SystemMatrix::Dense(matrix) => congruent(matrix).into(),
+            SystemMatrix::Blocks(matrix) => SystemMatrix::Blocks(matrix.with_seen(congruent(&matrix.seen()))),
+        };
+        let (mass, stiffness) = (turned(&self.mass), turned(&self.stiffness));
+        (self.mass, self.stiffness) = (mass, stiffness);
+        let turn = of_last(n);
         self.recovery = product(self.recovery.as_ref(), turn.as_ref());
         for load in &mut self.loads {
             let row = Mat::from_fn(1, n, |_, j| load[j]);
@@ -123,17 +150,37 @@ impl ReducedModel {
         Ok(())
     }
 
+    /// The mass between the jump and the other coordinates.
+    fn momentum_of_rest(&self) -> Mat<f64> {
+        let (nd, n) = (self.n_relative, self.size());
+        match &self.mass {
+            SystemMatrix::Dense(mass) => mass.submatrix(0, nd, nd, n - nd).to_owned(),
+            SystemMatrix::Blocks(mass) => mass.from_core(mass.core().submatrix(0, mass.rank(), mass.rank(), n - nd)),
+        }
+    }
+
     /// Keeps the first `n_modes` of the stuck-interface modes and leaves out the others.
     pub fn truncate(&mut self, n_modes: usize) {
-        let (first, n) = (self.n_relative + n_modes, self.mass.nrows());
+        let (first, n) = (self.n_relative + n_modes, self.size());
         let last = n - self.n_attachment;
         if first >= last {
             return;
         }
         let kept: Vec<usize> = (0..first).chain(last..n).collect();
-        let square = |a: &Mat<f64>| Mat::from_fn(kept.len(), kept.len(), |i, j| a[(kept[i], kept[j])]);
-        self.mass = square(&self.mass);
-        self.stiffness = square(&self.stiffness);
+        let square = |a: &SystemMatrix| match a {
+            SystemMatrix::Dense(a) => Mat::from_fn(kept.len(), kept.len(), |i, j| a[(kept[i], kept[j])]).into(),
+            SystemMatrix::Blocks(a) => {
+                let seen = a.seen();
+                // What lies behind the jump, behind the columns of the bases.
+                let shift = |i: usize| i + a.rank() - self.n_relative;
+                let kept: Vec<usize> = (0..a.rank())
+                    .chain(kept[self.n_relative..].iter().copied().map(shift))
+                    .collect();
+                SystemMatrix::Blocks(a.with_seen(Mat::from_fn(kept.len(), kept.len(), |i, j| seen[(kept[i], kept[j])])))
+            }
+        };
+        let (mass, stiffness) = (square(&self.mass), square(&self.stiffness));
+        (self.mass, self.stiffness) = (mass, stiffness);
         self.recovery = Mat::from_fn(self.recovery.nrows(), kept.len(), |i, j| self.recovery[(i, kept[j])]);
         self.loads = self
             .loads
@@ -171,6 +218,8 @@ pub fn reduce(
 /// The parts that a reduction takes one after the other.
 fn parts_of(system: &RelativeSystem, settings: Settings) -> Parts<'_> {
     match settings.attachment_modes {
+        // Joints are no images of themselves, but of one another.
+        _ if settings.coupling_tolerance.is_some() => Parts::whole(system),
         // The response to a load that acts on several would be that of each of them, in more coordinates than one.
         true => Parts::with_loads_in_one(system),
         false => Parts::of(system, None),
@@ -196,7 +245,8 @@ fn reduce_parts(
     for (part, stuck) in stuck.into_iter().enumerate() {
         let system = parts.system(part);
         let acting = acting_loads(parts, part, settings);
-        let (supported, condensed) = Supported::condense(&system, stuck.zero_energy(), limits)?;
+        let kept = kept(&system, settings);
+        let (supported, condensed) = Supported::condense(&system, stuck.zero_energy(), &kept, limits)?;
         let basis = Basis::try_new(&system, supported, &stuck, retained[part], &acting)?;
         drop(stuck);
         progress(Step::Stream, 0.8 * (part + 1) as f64 / parts.len() as f64);
@@ -208,11 +258,6 @@ fn reduce_parts(
     let places: Vec<JumpPlaces> = (0..parts.len())
         .map(|part| (0..nd).map(|jump| parts.place(part, jump)).collect())
         .collect();
-    let mut stiffness = sum_over_jump(reduced.iter().map(|part| &part.condensed.stiffness).zip(&places), nd, n);
-    for part in &mut reduced {
-        part.condensed.stiffness = Mat::zeros(0, 0);
-    }
-    let mut mass = sum_over_jump(reduced.iter().map(|part| &part.condensed.mass).zip(&places), nd, n);
     let rows_of_whole = |of_part: fn(&ReducedPart) -> &Mat<f64>, count: usize| {
         let mut whole = Mat::<f64>::zeros(count, n);
         for (part, places) in reduced.iter().zip(&places) {
@@ -230,20 +275,36 @@ fn reduce_parts(
     };
     let loads = rows_of_whole(|part| &part.loads, parts.of_whole().loads.len());
     let recovery = rows_of_whole(|part| &part.recovery, rows.len());
-    for (j, &(part, mode)) in order.iter().enumerate() {
-        let (places, part) = (&places[part], &reduced[part]);
-        for i in 0..nd {
-            let coupling = places[i].map_or(0.0, |(row, weight)| weight * part.coupling[(row, mode)]);
-            (mass[(i, nd + j)], mass[(nd + j, i)]) = (coupling, coupling);
+    let loads: Vec<Vec<f64>> = loads.row_iter().map(|load| load.iter().copied().collect()).collect();
+    let (stiffness, mass) = match reduced.as_mut_slice() {
+        [part] if matches!(part.condensed.stiffness, SystemMatrix::Blocks(_)) => part.joined(&order, &loads),
+        reduced => {
+            let mut whole = |of: fn(&mut ReducedPart) -> &mut SystemMatrix| {
+                // Each is freed once it is part of the sum.
+                let taken = reduced
+                    .iter_mut()
+                    .map(|part| std::mem::replace(of(part), Mat::new().into()).into_dense());
+                sum_over_jump(taken.zip(&places), nd, n)
+            };
+            let mut stiffness = whole(|part| &mut part.condensed.stiffness);
+            let mut mass = whole(|part| &mut part.condensed.mass);
+            for (j, &(part, mode)) in order.iter().enumerate() {
+                let (places, part) = (&places[part], &reduced[part]);
+                for i in 0..nd {
+                    let coupling = places[i].map_or(0.0, |(row, weight)| weight * part.coupling[(row, mode)]);
+                    (mass[(i, nd + j)], mass[(nd + j, i)]) = (coupling, coupling);
+                }
+                mass[(nd + j, nd + j)] = 1.0;
+                stiffness[(nd + j, nd + j)] = part.eigenvalues[mode];
+            }
+            (stiffness.into(), mass.into())
         }
-        mass[(nd + j, nd + j)] = 1.0;
-        stiffness[(nd + j, nd + j)] = part.eigenvalues[mode];
-    }
+    };
     progress(Step::Stream, 1.0);
     Ok(ReducedModel {
         mass,
         stiffness,
-        loads: loads.row_iter().map(|load| load.iter().copied().collect()).collect(),
+        loads,
         n_relative: nd,
         n_attachment: reduced.iter().map(|part| part.n_attachment).sum(),
         recovery,
@@ -257,7 +318,7 @@ fn reduce_parts(
 type JumpPlaces = Vec<Option<(usize, f64)>>;
 
 /// A symmetric matrix over all `n` coordinates, zero beyond the `nd` of the jump, from the lower triangles over the jumps of parts. These are independent of one another.
-fn sum_over_jump<'a>(parts: impl Iterator<Item = (&'a Mat<f64>, &'a JumpPlaces)>, nd: usize, n: usize) -> Mat<f64> {
+fn sum_over_jump<'a>(parts: impl Iterator<Item = (Mat<f64>, &'a JumpPlaces)>, nd: usize, n: usize) -> Mat<f64> {
     let mut whole = Mat::<f64>::zeros(n, n);
     for (lower, places) in parts {
         for j in 0..nd {
@@ -306,6 +367,14 @@ fn stuck_modes(
     Ok(stuck)
 }
 
+/// The jump, in the groups that become blocks.
+fn kept(system: &RelativeSystem, settings: Settings) -> Groups {
+    match settings.coupling_tolerance {
+        Some(tolerance) => Groups::new(&system.groups, tolerance, [&system.stiffness, &system.mass]),
+        None => Groups::one(system.n_relative),
+    }
+}
+
 /// How many modes of each part are among the `n_modes` lowest of all.
 fn retained(stuck: &[Modes], n_modes: usize) -> Vec<usize> {
     let of_part = |(part, modes): (usize, &Modes)| {
@@ -341,8 +410,10 @@ fn order(parts: impl Iterator<Item = (Vec<f64>, usize)>) -> Vec<(usize, usize)> 
 
 /// What is left of a part once its basis is dropped.
 struct ReducedPart {
-    /// Lower triangles over the jump.
+    /// Over the jump: lower triangles, or blocks without the momentum along zero-energy modes.
     condensed: Condensed,
+    /// That momentum.
+    momentum: Mat<f64>,
     /// The mass between jump and modes.
     coupling: Mat<f64>,
     eigenvalues: Vec<f64>,
@@ -368,9 +439,12 @@ impl ReducedPart {
         let coupling = static_part.momentum(phi.as_ref()) - product(momentum.as_ref(), overlap.as_ref());
         // The factor takes more memory than all that follows.
         drop(static_part);
-        add_product_lower(condensed.mass.as_mut(), momentum.as_ref(), momentum.transpose(), -1.0);
+        if let SystemMatrix::Dense(mass) = &mut condensed.mass {
+            add_product_lower(mass.as_mut(), momentum.as_ref(), momentum.transpose(), -1.0);
+        }
         Ok(Self {
             condensed,
+            momentum,
             coupling,
             eigenvalues: interior.eigenvalues,
             n_attachment,
@@ -378,6 +452,49 @@ impl ReducedPart {
             recovery,
             asymmetry,
         })
+    }
+
+    /// Stiffness and mass over all coordinates, of which modes come in this `order`, as blocks; `loads` are over the same coordinates.
+    fn joined(&self, order: &[(usize, usize)], loads: &[Vec<f64>]) -> (SystemMatrix, SystemMatrix) {
+        let over_jump = |matrix: &SystemMatrix| match matrix {
+            SystemMatrix::Blocks(blocks) => blocks.clone(),
+            SystemMatrix::Dense(matrix) => BlockMatrix::of_one(matrix.clone()),
+        };
+        let (stiffness, mass) = (over_jump(&self.condensed.stiffness), over_jump(&self.condensed.mass));
+        let nd = self.momentum.nrows();
+        let (n_momenta, n_modes) = (self.momentum.ncols(), order.len());
+        // All that acts on the jump beside the blocks is seen by the bases.
+        let columns = Mat::from_fn(nd, n_momenta + n_modes + loads.len(), |i, j| {
+            match (j.checked_sub(n_momenta), j.checked_sub(n_momenta + n_modes)) {
+                (None, _) => self.momentum[(i, j)],
+                (Some(mode), None) => self.coupling[(i, order[mode].1)],
+                (_, Some(load)) => loads[load][i],
+            }
+        });
+        let bases = stiffness.extended_bases(columns.as_ref(), SEEN);
+        let (stiffness, mass) = (stiffness.over_bases(&bases), mass.over_bases(&bases));
+        let rank = mass.rank();
+        let seen = mass.onto_core(columns.subcols(0, n_momenta + n_modes));
+        let (momentum, coupling) = seen.split_at_col(n_momenta);
+        let with_modes = |matrix: &BlockMatrix, mode: &dyn Fn(usize) -> f64| {
+            let mut whole = Mat::zeros(rank + n_modes, rank + n_modes);
+            whole.submatrix_mut(0, 0, rank, rank).copy_from(matrix.core());
+            (0..n_modes).for_each(|k| whole[(rank + k, rank + k)] = mode(k));
+            whole
+        };
+        let stiff = with_modes(&stiffness, &|k| self.eigenvalues[order[k].1]);
+        let mut heavy = with_modes(&mass, &|_| 1.0);
+        let lost = product(momentum, momentum.transpose());
+        let own = heavy.submatrix(0, 0, rank, rank) - lost;
+        heavy.submatrix_mut(0, 0, rank, rank).copy_from(own);
+        heavy.submatrix_mut(0, rank, rank, n_modes).copy_from(coupling);
+        heavy
+            .submatrix_mut(rank, 0, n_modes, rank)
+            .copy_from(coupling.transpose());
+        (
+            SystemMatrix::Blocks(stiffness.with_seen(stiff)),
+            SystemMatrix::Blocks(mass.with_seen(heavy)),
+        )
     }
 }
 
@@ -432,7 +549,7 @@ fn displacements_of_parts(
         let supported = match acting.is_empty() {
             true => Supported::try_new(system, zero_energy, limits)?,
             // Signs of attachment modes follow from static responses, which must be those of the reduction to the last bit.
-            false => Supported::condense(system, zero_energy, limits)?.0,
+            false => Supported::condense(system, zero_energy, &kept(system, settings), limits)?.0,
         };
         Basis::try_new(system, supported, &stuck[part], retained[part], &acting)
     });
@@ -597,14 +714,15 @@ impl StaticPart<'_> {
         }
         let [jump, rest] = self.system.momentum(Some(unit.as_ref()), x.as_ref());
         let mass = jump + self.work(rest);
-        let compare = |matrix, condensed: &Mat<f64>, columns: &Mat<f64>| {
-            let rows = Mat::from_fn(nd, count, |i, j| condensed[(chosen[j], i)]);
-            let deviation = (rows - columns).norm_max();
+        let compare = |matrix, condensed: &SystemMatrix, columns: &Mat<f64>| {
+            let condensed = condensed.as_ref();
+            let deviation = (condensed.product(unit.as_ref()) - columns).norm_max();
             // Masses that contact alone holds have no stiffness.
             let asymmetry = if deviation == 0.0 {
                 0.0
             } else {
-                deviation / condensed.norm_max()
+                // Of a matrix that is not negative the largest entry is on the diagonal.
+                deviation / condensed.diagonal().into_iter().fold(0.0, f64::max)
             };
             // `!(a <= b)` also catches NaN.
             if !(asymmetry <= 1e-6) {

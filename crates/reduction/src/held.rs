@@ -6,7 +6,7 @@
 
 use crate::Error;
 use crate::craig_bampton::ReducedModel;
-use dense_algebra::{product, solve_lower, solve_lower_transposed};
+use dense_algebra::{SystemMatrix, product, solve_lower, solve_lower_transposed};
 use faer::Mat;
 
 /// What is known of a load.
@@ -32,7 +32,7 @@ pub struct LoadCompliance<'a> {
 #[derive(Clone, Debug)]
 pub struct HeldSystem {
     /// Stiffness over the jump (N/m).
-    pub stiffness: Mat<f64>,
+    pub stiffness: SystemMatrix,
     /// Load over the jump (N).
     pub load: Vec<f64>,
     /// Tension of every load where the jump is zero (N).
@@ -56,9 +56,9 @@ impl ReducedModel {
             });
         }
         let nd = self.n_relative;
-        let n_rest = self.mass.nrows() - nd;
+        let n_rest = self.size() - nd;
         let loads = Mat::from_fn(n_rest, n_loads, |i, j| self.loads[j][nd + i]);
-        let lower = dense_algebra::cholesky(self.stiffness.submatrix(nd, nd, n_rest, n_rest))?;
+        let lower = dense_algebra::cholesky(self.stiffness_of_rest().as_ref())?;
         let mut responses = loads.clone();
         solve_lower(lower.as_ref(), responses.as_mut());
         solve_lower_transposed(lower.as_ref(), responses.as_mut());
@@ -72,6 +72,20 @@ impl ReducedModel {
             responses,
             compliance,
         })
+    }
+}
+
+impl ReducedModel {
+    /// The stiffness between coordinates behind the jump.
+    fn stiffness_of_rest(&self) -> Mat<f64> {
+        let (nd, n_rest) = (self.n_relative, self.size() - self.n_relative);
+        match &self.stiffness {
+            SystemMatrix::Dense(stiffness) => stiffness.submatrix(nd, nd, n_rest, n_rest).to_owned(),
+            SystemMatrix::Blocks(stiffness) => {
+                let rank = stiffness.rank();
+                stiffness.seen().submatrix(rank, rank, n_rest, n_rest).to_owned()
+            }
+        }
     }
 }
 
@@ -122,12 +136,26 @@ impl LoadCompliance<'_> {
         for (i, (load, _)) in held.iter().enumerate() {
             all.subrows_mut(*load, 1).copy_from(change.subrows(i, 1));
         }
-        let over_jump = Mat::from_fn(nd, n_loads, |i, j| model.loads[j][i]);
         let load = (0..nd)
             .map(|i| (0..n_loads).map(|j| tension[j] * model.loads[j][i]).sum())
             .collect();
-        let added = product(over_jump.as_ref(), all.as_ref());
-        let stiffness = model.stiffness.submatrix(0, 0, nd, nd) - dense_algebra::symmetric(added.as_ref());
+        let stiffness = match &model.stiffness {
+            SystemMatrix::Dense(stiffness) => {
+                let over_jump = Mat::from_fn(nd, n_loads, |i, j| model.loads[j][i]);
+                let added = product(over_jump.as_ref(), all.as_ref());
+                SystemMatrix::Dense(stiffness.submatrix(0, 0, nd, nd) - dense_algebra::symmetric(added.as_ref()))
+            }
+            SystemMatrix::Blocks(stiffness) => {
+                let stiffness = stiffness.groups_alone();
+                let over_jump = Mat::from_fn(nd, n_loads, |i, j| model.loads[j][i]);
+                let (loads, change) = (
+                    stiffness.onto_core(over_jump.as_ref()),
+                    stiffness.onto_core(all.transpose()),
+                );
+                let added = dense_algebra::symmetric(product(loads.as_ref(), change.transpose()).as_ref());
+                SystemMatrix::Blocks(stiffness.with_seen(stiffness.seen() - added))
+            }
+        };
         Ok(HeldSystem {
             stiffness,
             load,

@@ -6,8 +6,8 @@
 use crate::Error;
 use crate::craig_bampton::ReducedModel;
 use crate::relative::RelativeSystem;
-use dense_algebra::{product, solve_lower, solve_lower_transposed};
-use faer::Mat;
+use dense_algebra::{SystemMatrix, product, solve_lower, solve_lower_transposed};
+use faer::{Mat, MatRef};
 use finite_elements::sparse::congruence;
 use sprs::{CsMat, TriMat};
 
@@ -64,6 +64,7 @@ impl RelativeSystem {
             mass: congruence(&transform, &self.mass),
             loads: Vec::new(),
             n_relative: self.n_relative,
+            groups: self.groups.clone(),
             positions: kept.iter().map(|&i| self.positions[i]).collect(),
             reflections: Vec::new(),
             transform: &self.transform * &transform,
@@ -99,11 +100,17 @@ impl ReducedModel {
                 attachment: self.n_attachment,
             });
         }
+        let (Some(own_stiffness), Some(own_mass)) = (self.stiffness.as_ref().dense(), self.mass.as_ref().dense())
+        else {
+            let small = self.seen()?;
+            let (locked, motions) = small.locked_with_motions()?;
+            return Ok(self.with_seen(&small, locked, &motions));
+        };
         let nd = self.n_relative;
-        let n_rest = self.mass.nrows() - nd;
+        let n_rest = self.size() - nd;
         let n_modes = n_rest - n_loads;
-        let rest = |matrix: &Mat<f64>| matrix.submatrix(nd, nd, n_rest, n_rest).to_owned();
-        let (k_rest, m_rest) = (rest(&self.stiffness), rest(&self.mass));
+        let rest = |matrix: MatRef<'_, f64>| matrix.submatrix(nd, nd, n_rest, n_rest).to_owned();
+        let (k_rest, m_rest) = (rest(own_stiffness), rest(own_mass));
         let lower = dense_algebra::cholesky(k_rest.as_ref())?;
         // In the metric of K_r = L L^T, S = H^T H with H = L^-1 l_r, and Q = H R^-T with S = R R^T is orthonormal.
         let mut h = Mat::from_fn(n_rest, n_loads, |i, j| self.loads[j][nd + i]);
@@ -141,17 +148,17 @@ impl ReducedModel {
         let added = product(tension.transpose(), tension.as_ref());
         stiffness
             .submatrix_mut(0, 0, nd, nd)
-            .copy_from(self.stiffness.submatrix(0, 0, nd, nd) + added);
+            .copy_from(own_stiffness.submatrix(0, 0, nd, nd) + added);
         for (i, value) in eigenvalues.iter().enumerate() {
             stiffness[(nd + i, nd + i)] = *value;
         }
-        let own = self.mass.submatrix(nd, 0, n_rest, nd);
+        let own = own_mass.submatrix(nd, 0, n_rest, nd);
         let momentum = product(m_rest.as_ref(), follow.as_ref()) + own;
         let coupling = product(shapes.transpose(), momentum.as_ref());
         let mut mass = Mat::zeros(n, n);
         let changed = product(own.transpose(), follow.as_ref()) + product(follow.transpose(), momentum.as_ref());
         mass.submatrix_mut(0, 0, nd, nd)
-            .copy_from(self.mass.submatrix(0, 0, nd, nd) + dense_algebra::symmetric(changed.as_ref()));
+            .copy_from(own_mass.submatrix(0, 0, nd, nd) + dense_algebra::symmetric(changed.as_ref()));
         mass.submatrix_mut(nd, 0, n_modes, nd).copy_from(&coupling);
         mass.submatrix_mut(0, nd, nd, n_modes).copy_from(coupling.transpose());
         for i in nd..n {
@@ -169,8 +176,8 @@ impl ReducedModel {
         motions.submatrix_mut(nd, 0, n_rest, nd).copy_from(&follow);
         motions.submatrix_mut(nd, nd, n_rest, n_modes).copy_from(&shapes);
         let locked = Self {
-            mass,
-            stiffness,
+            mass: mass.into(),
+            stiffness: stiffness.into(),
             loads: Vec::new(),
             n_relative: nd,
             n_attachment: 0,
@@ -183,5 +190,75 @@ impl ReducedModel {
             asymmetry: self.asymmetry,
         };
         Ok((locked, motions))
+    }
+
+    /// What a model of blocks is without them: the columns of the bases in the place of the jump, and nothing recovered from these.
+    ///
+    /// # Errors
+    /// [`Error::OtherModel`] for matrices that do not share their bases.
+    fn seen(&self) -> Result<Self, Error> {
+        let (SystemMatrix::Blocks(stiffness), SystemMatrix::Blocks(mass)) = (&self.stiffness, &self.mass) else {
+            return Err(Error::OtherModel { deviation: 1.0 });
+        };
+        if stiffness.bases() != mass.bases() {
+            return Err(Error::OtherModel { deviation: 1.0 });
+        }
+        let over_core = |row: &Vec<f64>| {
+            let column = MatRef::from_column_major_slice(row, row.len(), 1);
+            stiffness.onto_core(column).col_as_slice(0).to_vec()
+        };
+        let mut recovery = Mat::zeros(self.recovery.nrows(), stiffness.core().nrows());
+        let n_rest = self.size() - self.n_relative;
+        recovery
+            .subcols_mut(stiffness.rank(), n_rest)
+            .copy_from(self.recovery.subcols(self.n_relative, n_rest));
+        Ok(Self {
+            mass: mass.seen().into(),
+            stiffness: stiffness.seen().into(),
+            loads: self.loads.iter().map(over_core).collect(),
+            n_relative: stiffness.rank(),
+            recovery,
+            stuck_frequencies: self.stuck_frequencies.clone(),
+            ..*self
+        })
+    }
+
+    /// The model of blocks that `seen`, of [`Self::seen`] with held loads, is without them, and the motions of this one's coordinates in its own.
+    fn with_seen(&self, small: &Self, seen: Self, motions: &Mat<f64>) -> (Self, Mat<f64>) {
+        let (nd, rank) = (self.n_relative, small.n_relative);
+        let over_blocks = |own: &SystemMatrix, seen: SystemMatrix| match own {
+            SystemMatrix::Blocks(own) => SystemMatrix::Blocks(own.with_seen(seen.into_dense())),
+            SystemMatrix::Dense(_) => seen,
+        };
+        // Rows over the columns of the bases as rows over the jump.
+        let over_jump = |rows: MatRef<'_, f64>| match &self.mass {
+            SystemMatrix::Blocks(own) => own.from_core(rows.transpose()).transpose().to_owned(),
+            SystemMatrix::Dense(_) => rows.to_owned(),
+        };
+        let n_modes = seen.recovery.ncols() - rank;
+        let mut recovery = Mat::zeros(self.recovery.nrows(), nd + n_modes);
+        recovery
+            .subcols_mut(0, nd)
+            .copy_from(self.recovery.subcols(0, nd) + over_jump(seen.recovery.subcols(0, rank)));
+        recovery
+            .subcols_mut(nd, n_modes)
+            .copy_from(seen.recovery.subcols(rank, n_modes));
+        let n_rest = self.size() - nd;
+        let mut whole = Mat::identity(nd + n_rest, nd + n_modes);
+        let of_rest = motions.subrows(rank, n_rest);
+        whole
+            .submatrix_mut(nd, 0, n_rest, nd)
+            .copy_from(over_jump(of_rest.subcols(0, rank)));
+        whole
+            .submatrix_mut(nd, nd, n_rest, n_modes)
+            .copy_from(of_rest.subcols(rank, n_modes));
+        let model = Self {
+            mass: over_blocks(&self.mass, seen.mass),
+            stiffness: over_blocks(&self.stiffness, seen.stiffness),
+            n_relative: nd,
+            recovery,
+            ..seen
+        };
+        (model, whole)
     }
 }

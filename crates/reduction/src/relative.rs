@@ -66,6 +66,8 @@ pub struct RelativeSystem {
     pub loads: Vec<Vec<f64>>,
     /// Number of jump coordinates: three per pair, pair-major, in the order x, y, n.
     pub n_relative: usize,
+    /// Jump coordinates of each interface, which follow one another; all together where it is not known that there are several.
+    pub groups: Vec<usize>,
     /// Position of each coordinate's node (m).
     pub positions: Vec<[f64; 3]>,
     /// Reflections that take the mesh to itself, over `[jump; rest]`.
@@ -318,7 +320,9 @@ impl RelativeSystem {
             loads: &system.loads,
             positions: &system.positions,
         };
-        Self::from_carried(matrices, &system.reflections, &rows, &frames)
+        let mut found = Self::from_carried(matrices, &system.reflections, &rows, &frames)?;
+        found.groups = interfaces.iter().map(|side| 3 * side.own.len()).collect();
+        Ok(found)
     }
 
     /// Changes the coordinates of matrices over the displacements of both sides; `top` and `bottom` are the rows of
@@ -578,6 +582,7 @@ impl RelativeSystem {
                 .map(|load| multiply_vector(&transposed, load))
                 .collect(),
             n_relative: nd,
+            groups: vec![nd],
             // Combinations have no place.
             positions: vec![[0.0; 3]; n],
             reflections: Vec::new(),
@@ -602,6 +607,7 @@ impl RelativeSystem {
                 .map(|load| multiply_vector(&transposed, load))
                 .collect(),
             n_relative,
+            groups: vec![n_relative],
             positions,
             reflections: Vec::new(),
             transform,

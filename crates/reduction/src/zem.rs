@@ -7,6 +7,7 @@ use faer::linalg::matmul::matmul;
 use faer::reborrow::ReborrowMut;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use finite_elements::factor::{Condensed, SparseCholesky};
+use finite_elements::groups::Groups;
 
 /// What messages call the matrix that is factored.
 const NAME: &str = "stuck stiffness without its zero-energy modes";
@@ -38,6 +39,7 @@ impl Supported {
     pub(crate) fn condense(
         system: &RelativeSystem,
         modes: MatRef<'_, f64>,
+        kept: &Groups,
         limits: Limits<'_>,
     ) -> Result<(Self, Condensed), Error> {
         let nd = system.n_relative;
@@ -47,7 +49,7 @@ impl Supported {
             &system.stiffness,
             &system.mass,
             &system.positions,
-            nd,
+            kept,
             &fixed,
             NAME,
             limits,

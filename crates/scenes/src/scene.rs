@@ -471,6 +471,12 @@ impl Scene {
                 json!(Interfaces::default_points()),
                 meshed,
             ),
+            (
+                self.structure.mesh().is_none_or(|mesh| mesh.interfaces.len() < 2),
+                "/model/coupling_tolerance",
+                Value::Null,
+                "meshes of several interfaces, and structure has one",
+            ),
             (over_jump, "/model/modes", Value::Null, reductions),
             (over_jump, "/model/reduction_error", Value::Null, reductions),
             (parameters, "/interfaces/law/kind", json!(default.kind), asperities),

@@ -194,6 +194,14 @@ impl Scene {
             "",
             "at least 1e-9 (the accuracy of the check) and below 1",
         )?;
+        let tolerance = model.coupling_tolerance.unwrap_or(0.0);
+        check.that(
+            (0.0..=1e-3).contains(&tolerance),
+            "model.coupling_tolerance",
+            tolerance,
+            "",
+            "between 0 (nothing is left out) and 1e-3",
+        )?;
         if let Some(deck) = self.structure.deck() {
             deck.validate(check)?;
         }

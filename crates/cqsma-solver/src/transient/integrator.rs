@@ -9,9 +9,8 @@ use crate::modes::{Linearisation, Mode};
 use crate::newton::{Equilibrium, Failure, Goal, Load, NewtonSettings, Reason, Sequence};
 use crate::path::Path;
 use contact_laws::Sticking;
-use dense_algebra::Symmetric;
-use dense_algebra::{Inner, Vector};
-use faer::Mat;
+use dense_algebra::{Inner, Packed, SystemMatrix, Vector};
+
 use std::f64::consts::PI;
 
 /// Equal steps of the modal force that a released motion is loaded in.
@@ -23,7 +22,7 @@ struct Level {
     /// Factors of mass and damping in the stiffness, `c` and `c'`.
     inertia: f64,
     damping: f64,
-    stiffness: Mat<f64>,
+    stiffness: SystemMatrix,
     stuck: Stuck,
     round_off: RoundOff,
     /// Energy norm of the peak force of the pulse.
@@ -61,8 +60,8 @@ pub(super) struct Integrator<'a, F: HystereticForce> {
     start: &'a Start,
     settings: &'a Settings,
     scheme: Scheme,
-    stiffness: Symmetric,
-    mass: Symmetric,
+    stiffness: Packed<'a>,
+    mass: Packed<'a>,
     damping: ModalDamping,
     /// By halvings of the step; the shorter ones are made when needed.
     levels: Vec<Level>,
@@ -107,7 +106,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         settings: &'a Settings,
     ) -> Self {
         let n = mode.shape.len();
-        let mass = Symmetric::from_lower(structure.mass);
+        let mass = structure.mass.packed();
         let mut damping = ModalDamping { modes: Vec::new() };
         for (index, (shape, eigenvalue)) in structure.shapes.col_iter().zip(&structure.eigenvalues).enumerate() {
             let other = if index == settings.mode {
@@ -131,7 +130,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
             start,
             settings,
             scheme: Scheme::new(settings.spectral_radius),
-            stiffness: Symmetric::from_lower(structure.stiffness),
+            stiffness: structure.stiffness.packed(),
             mass,
             damping,
             levels: Vec::new(),
@@ -236,15 +235,17 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         } = self.scheme;
         let inertia = (1.0 - alpha_m) / ((1.0 - alpha_f) * beta * step * step);
         let damping = gamma / (beta * step);
-        let mut stiffness = self.structure.stiffness + faer::Scale(inertia) * self.structure.mass;
-        for (factor, momentum) in &self.damping.modes {
-            for (j, column) in stiffness.col_iter_mut().enumerate() {
-                let share = damping * factor * momentum[j];
-                column.iter_mut().zip(momentum).for_each(|(k, p)| *k += share * p);
-            }
-        }
+        let modes = self.damping.modes.iter();
+        let viscous: Vec<(f64, &[f64])> = modes
+            .map(|(factor, momentum)| (damping * factor, momentum.as_slice()))
+            .collect();
+        let stiffness = self
+            .structure
+            .stiffness
+            .plus(inertia, self.structure.mass)
+            .plus_outer(&viscous);
         let pattern = self.force.pattern();
-        let (stuck, _) = Stuck::try_new(stiffness.as_ref(), pattern, &self.structure.tangent, Vec::new())?;
+        let stuck = Stuck::try_new(stiffness.as_ref(), pattern, &self.structure.tangent, Vec::new())?;
         let reference = &self.structure.displacement[..self.force.n_dofs()];
         self.levels.push(Level {
             step,

@@ -2,11 +2,13 @@
 
 use super::key::Key;
 use crate::Error;
-use faer::Mat;
+use dense_algebra::{BlockMatrix, SystemMatrix};
+use faer::{Mat, MatRef};
 use reduction::ReducedModel;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use surface_characterisation::PressedElement;
 
 /// First line of a stored model; the numbers follow as little-endian doubles in the order of the fields, of mass and stiffness the lower triangles.
@@ -14,6 +16,8 @@ use surface_characterisation::PressedElement;
 struct Header<F> {
     key: String,
     n: usize,
+    /// Of matrices in blocks.
+    groups: Option<Groups>,
     n_relative: usize,
     n_attachment: usize,
     n_loads: usize,
@@ -22,6 +26,33 @@ struct Header<F> {
     asymmetry: f64,
     stuck_frequencies: Vec<f64>,
     facts: F,
+}
+
+/// Coordinates of each block, and columns of its basis.
+#[derive(Serialize, Deserialize)]
+struct Groups {
+    sizes: Vec<usize>,
+    ranks: Vec<usize>,
+}
+
+impl Groups {
+    /// Numbers that bases and two matrices of `n` coordinates take; none if that is no size.
+    fn numbers(&self, n: usize) -> Option<usize> {
+        let triangle = |size: usize| Some(size.checked_add(1)?.checked_mul(size)? / 2);
+        let (mut bases, mut blocks, mut coordinates, mut rank) = (0_usize, 0_usize, 0_usize, 0_usize);
+        for (&size, &own) in self.sizes.iter().zip(&self.ranks) {
+            bases = bases.checked_add(size.checked_mul(own)?)?;
+            blocks = blocks.checked_add(triangle(size)?)?;
+            coordinates = coordinates.checked_add(size)?;
+            rank = rank.checked_add(own)?;
+        }
+        let rest = n
+            .checked_sub(coordinates)
+            .filter(|_| self.sizes.len() == self.ranks.len())?;
+        let core = triangle(rank.checked_add(rest)?)?;
+        let matrix = blocks.checked_add(rest)?.checked_add(core)?;
+        bases.checked_add(matrix.checked_mul(2)?)
+    }
 }
 
 fn path_of(directory: &Path, key: &Key) -> PathBuf {
@@ -61,17 +92,18 @@ pub fn load<F: DeserializeOwned>(directory: &Path, key: &Key) -> Option<(Reduced
         return None;
     }
     let n = header.n;
-    // Two triangles, loads and recovery.
-    let columns = n
-        .checked_add(1)?
-        .checked_add(header.n_loads)?
-        .checked_add(header.n_recovered)?;
-    if Some(payload.len()) != columns.checked_mul(n)?.checked_mul(8) || header.n_relative > n {
+    // Loads and recovery, and twice the entries of a matrix, of which blocks share their bases.
+    let rows = header.n_loads.checked_add(header.n_recovered)?.checked_mul(n)?;
+    let numbers = match &header.groups {
+        None => n.checked_add(1)?.checked_mul(n)?.checked_add(rows)?,
+        Some(groups) => groups.numbers(n)?.checked_add(rows)?,
+    };
+    if Some(payload.len()) != numbers.checked_mul(8) || header.n_relative > n {
         return None;
     }
     let mut numbers = payload.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
     let mut next = || numbers.next().unwrap_or(f64::NAN);
-    let mut symmetric = || {
+    fn lower(n: usize, next: &mut impl FnMut() -> f64) -> Mat<f64> {
         let mut m = Mat::zeros(n, n);
         for j in 0..n {
             for i in j..n {
@@ -80,8 +112,29 @@ pub fn load<F: DeserializeOwned>(directory: &Path, key: &Key) -> Option<(Reduced
             }
         }
         m
+    }
+    let (mass, stiffness) = match &header.groups {
+        None => (lower(n, &mut next).into(), lower(n, &mut next).into()),
+        Some(groups) => {
+            let bases = (groups.sizes.iter().zip(&groups.ranks)).map(|(&size, &rank)| {
+                let mut basis = Mat::zeros(size, rank);
+                basis
+                    .col_iter_mut()
+                    .for_each(|column| column.iter_mut().for_each(|value| *value = next()));
+                basis
+            });
+            let bases = Arc::new(bases.collect::<Vec<_>>());
+            let rank: usize = groups.ranks.iter().sum();
+            let n_rest = n - groups.sizes.iter().sum::<usize>();
+            let mut blocks = || {
+                let local = groups.sizes.iter().map(|&size| lower(size, &mut next)).collect();
+                let rest = (0..n_rest).map(|_| next()).collect();
+                let core = lower(rank + n_rest, &mut next);
+                SystemMatrix::Blocks(BlockMatrix::new(bases.clone(), local, rest, core))
+            };
+            (blocks(), blocks())
+        }
     };
-    let (mass, stiffness) = (symmetric(), symmetric());
     let mut matrix = |rows, columns| {
         let mut m = Mat::zeros(rows, columns);
         m.col_iter_mut()
@@ -106,10 +159,17 @@ pub fn load<F: DeserializeOwned>(directory: &Path, key: &Key) -> Option<(Reduced
 
 /// Stores a model with `facts` about it; the file appears whole or not at all.
 pub fn store(directory: &Path, key: &Key, reduced: &ReducedModel, facts: &impl Serialize) -> Result<(), Error> {
-    let n = reduced.mass.nrows();
+    let groups = match &reduced.mass {
+        SystemMatrix::Dense(_) => None,
+        SystemMatrix::Blocks(mass) => Some(Groups {
+            sizes: mass.bases().iter().map(|basis| basis.nrows()).collect(),
+            ranks: mass.bases().iter().map(|basis| basis.ncols()).collect(),
+        }),
+    };
     let header = Header {
         key: key.0.clone(),
-        n,
+        n: reduced.size(),
+        groups,
         n_relative: reduced.n_relative,
         n_attachment: reduced.n_attachment,
         n_loads: reduced.loads.len(),
@@ -127,12 +187,26 @@ pub fn store(directory: &Path, key: &Key, reduced: &ReducedModel, facts: &impl S
     })?;
     bytes.push(b'\n');
     let mut put = |value: &f64| bytes.extend_from_slice(&value.to_le_bytes());
+    let lower = |matrix: MatRef<'_, f64>, put: &mut dyn FnMut(&f64)| {
+        for (j, column) in matrix.col_iter().enumerate() {
+            column.iter().skip(j).for_each(&mut *put);
+        }
+    };
+    if let SystemMatrix::Blocks(mass) = &reduced.mass {
+        let bases = mass.bases().iter();
+        bases
+            .flat_map(|basis| basis.col_iter().flat_map(|column| column.iter()))
+            .for_each(&mut put);
+    }
     for matrix in [&reduced.mass, &reduced.stiffness] {
-        let lower = matrix
-            .col_iter()
-            .enumerate()
-            .flat_map(|(j, column)| column.iter().skip(j));
-        lower.for_each(&mut put);
+        match matrix {
+            SystemMatrix::Dense(matrix) => lower(matrix.as_ref(), &mut put),
+            SystemMatrix::Blocks(matrix) => {
+                matrix.local().iter().for_each(|block| lower(block.as_ref(), &mut put));
+                matrix.rest().iter().for_each(&mut put);
+                lower(matrix.core(), &mut put);
+            }
+        }
     }
     reduced.loads.iter().flatten().for_each(&mut put);
     let recovery = reduced.recovery.col_iter().flat_map(|column| column.iter());

@@ -33,9 +33,7 @@ contact have neither.
 pub fn arrays(model: &StructuralModel, joint: &Joint) -> Result<BTreeMap<String, Array>, Error> {
     let reduced = &model.reduced;
     let held = joint.interface.held();
-    let kept: Vec<usize> = (0..reduced.mass.nrows())
-        .filter(|i| held.binary_search(i).is_err())
-        .collect();
+    let kept: Vec<usize> = (0..reduced.size()).filter(|i| held.binary_search(i).is_err()).collect();
     let n = kept.len();
     let dofs: Vec<Dof> = kept
         .iter()
@@ -49,7 +47,7 @@ pub fn arrays(model: &StructuralModel, joint: &Joint) -> Result<BTreeMap<String,
         .iter()
         .flat_map(|load| kept.iter().map(|&i| load[i]))
         .collect();
-    let square = |matrix: &Mat<f64>| dense(Mat::from_fn(n, n, |i, j| matrix[(kept[i], kept[j])]).as_ref());
+    let square = |matrix: Mat<f64>| dense(Mat::from_fn(n, n, |i, j| matrix[(kept[i], kept[j])]).as_ref());
     let recovery = Mat::from_fn(reduced.recovery.nrows(), n, |i, j| reduced.recovery[(i, kept[j])]);
     let plane = &joint.interface;
     let places = plane.elements.iter().map(|element| element.nodes().len());
@@ -60,8 +58,8 @@ pub fn arrays(model: &StructuralModel, joint: &Joint) -> Result<BTreeMap<String,
         .flat_map(|element| (0..places).map(|i| element.nodes().get(i).map_or(0, |n| i64::from(*n) + 1)))
         .collect();
     let mut arrays: BTreeMap<String, Array> = [
-        ("M", square(&reduced.mass)?),
-        ("K", square(&reduced.stiffness)?),
+        ("M", square(reduced.mass.as_ref().to_dense())?),
+        ("K", square(reduced.stiffness.as_ref().to_dense())?),
         ("Fv", Array::Dense(Dense::try_new(n, reduced.loads.len(), loads)?)),
         ("R", dense(recovery.as_ref())?),
         ("dofs", Dof::table(&dofs)),

@@ -36,7 +36,7 @@ use crate::Error;
 use crate::progress::Progress;
 use finite_elements::mesh::GroundSpring;
 use joint_model::benchmark::{MeshSettings, Symmetry};
-use joint_model::{Bodies, Joint};
+use joint_model::{Bodies, Joint, MeshedBodies, Sides};
 use material::material;
 use meshed::Meshed;
 use reduction::{Limits, Settings, checks};
@@ -45,6 +45,11 @@ use zte_assembly::InterfaceMesh;
 
 /// Frequencies compared between the full and the reduced model.
 const N_CHECKED: usize = 10;
+
+/// Coordinates across several interfaces up to which the reduced matrices are dense unless a scene says otherwise, and what may be left out of the coupling
+/// of larger ones.
+const LARGEST_DENSE: usize = 3000;
+const COUPLING_TOLERANCE: f64 = 1e-9;
 
 /// Zero-energy modes of the half of a free structure with the interface stuck: along x and z, and about y.
 const HALF_ZERO_ENERGY_MODES: usize = 3;
@@ -187,6 +192,15 @@ impl Structure {
             if bodies.is_reduced {
                 settings.n_modes = bodies.relative.stiffness.rows() - bodies.relative.n_relative;
             }
+        }
+        let several = matches!(&joint.bodies, Bodies::Meshed(MeshedBodies { sides: Sides::Projected(parts), .. }) if parts.len() > 1);
+        if several {
+            let is_large = 3 * joint.interface.nodes.len() > LARGEST_DENSE;
+            let by_size = is_large.then_some(COUPLING_TOLERANCE);
+            settings.coupling_tolerance = model
+                .coupling_tolerance
+                .or(by_size)
+                .filter(|tolerance| *tolerance > 0.0);
         }
         Self {
             joint,

@@ -8,7 +8,6 @@ use crate::progress::{Progress, Silent, Stage, end_stage, go_on};
 use crate::store::Options;
 use crate::store::cache;
 use crate::store::key::{Key, KeyBuilder};
-use faer::Mat;
 use finite_elements::assemble::System;
 use finite_elements::mesh::Cell;
 use joint_model::{Bodies, ImportedBodies, Sides};
@@ -365,10 +364,9 @@ impl<'a> Assembled<'a> {
         }
         let (own, known) = (&self.relative, &known.relative);
         let (stiffness, mass) = multiple(&own.stiffness, &known.stiffness).zip(multiple(&own.mass, &known.mass))?;
-        let scaled = |a: &Mat<f64>, factor: f64| Mat::from_fn(a.nrows(), a.ncols(), |i, j| factor * a[(i, j)]);
         (own.loads == known.loads).then(|| ReducedModel {
-            stiffness: scaled(&model.stiffness, stiffness),
-            mass: scaled(&model.mass, mass),
+            stiffness: model.stiffness.scaled(stiffness),
+            mass: model.mass.scaled(mass),
             ..model.clone()
         })
     }
