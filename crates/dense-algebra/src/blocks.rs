@@ -16,8 +16,8 @@ const DEPENDENT: f64 = 1e-13;
 pub struct BlockMatrix {
     /// `B_g`, with orthonormal columns.
     bases: Arc<Vec<Mat<f64>>>,
-    /// `A_g`, in full.
-    local: Vec<Mat<f64>>,
+    /// `A_g`, in full. Matrices that differ in their coupling share them.
+    local: Arc<Vec<Mat<f64>>>,
     /// `d`.
     rest: Vec<f64>,
     /// `C` over the columns of all bases and the rest.
@@ -42,9 +42,9 @@ impl BlockMatrix {
     ///
     /// # Panics
     /// If the shapes do not fit.
-    pub fn new(bases: Arc<Vec<Mat<f64>>>, local: Vec<Mat<f64>>, rest: Vec<f64>, core: Mat<f64>) -> Self {
+    pub fn new(bases: Arc<Vec<Mat<f64>>>, local: Arc<Vec<Mat<f64>>>, rest: Vec<f64>, core: Mat<f64>) -> Self {
         assert_eq!(bases.len(), local.len());
-        for (basis, block) in bases.iter().zip(&local) {
+        for (basis, block) in bases.iter().zip(local.iter()) {
             assert_eq!((basis.nrows(), basis.nrows()), block.shape());
         }
         let size = bases.iter().map(|basis| basis.ncols()).sum::<usize>() + rest.len();
@@ -60,7 +60,7 @@ impl BlockMatrix {
     /// A matrix of one group.
     pub fn of_one(matrix: Mat<f64>) -> Self {
         let bases = Arc::new(vec![Mat::zeros(matrix.nrows(), 0)]);
-        Self::new(bases, vec![matrix], Vec::new(), Mat::new())
+        Self::new(bases, Arc::new(vec![matrix]), Vec::new(), Mat::new())
     }
 
     /// Rows and columns.
@@ -157,7 +157,7 @@ impl BlockMatrix {
             |a: &Mat<f64>, b: &Mat<f64>| Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] + factor * b[(i, j)]);
         Self {
             bases: self.bases.clone(),
-            local: self.local.iter().zip(&other.local).map(|(a, b)| sum(a, b)).collect(),
+            local: Arc::new(self.local.iter().zip(other.local.iter()).map(|(a, b)| sum(a, b)).collect()),
             rest: self.rest.iter().zip(&other.rest).map(|(a, b)| a + factor * b).collect(),
             core: sum(&self.core, &other.core),
         }
@@ -213,7 +213,7 @@ impl BlockMatrix {
         let of = |a: &Mat<f64>| a * faer::Scale(factor);
         Self {
             bases: self.bases.clone(),
-            local: self.local.iter().map(of).collect(),
+            local: Arc::new(self.local.iter().map(of).collect()),
             rest: self.rest.iter().map(|d| factor * d).collect(),
             core: of(&self.core),
         }
@@ -235,7 +235,7 @@ impl BlockMatrix {
         let mut y = Mat::zeros(self.size(), x.ncols());
         let seen = product(self.core.as_ref(), self.onto_core(x).as_ref());
         let (mut at, mut column) = (0, 0);
-        for (basis, block) in self.bases.iter().zip(&self.local) {
+        for (basis, block) in self.bases.iter().zip(self.local.iter()) {
             let (n, r) = basis.shape();
             let own = product(block.as_ref(), x.subrows(at, n)) + product(basis.as_ref(), seen.subrows(column, r));
             y.subrows_mut(at, n).copy_from(own);
@@ -253,7 +253,7 @@ impl BlockMatrix {
     pub fn diagonal(&self) -> Vec<f64> {
         let mut out = Vec::with_capacity(self.size());
         let mut column = 0;
-        for (basis, block) in self.bases.iter().zip(&self.local) {
+        for (basis, block) in self.bases.iter().zip(self.local.iter()) {
             let r = basis.ncols();
             let seen = product(basis.as_ref(), self.core.submatrix(column, column, r, r));
             out.extend((0..basis.nrows()).map(|i| block[(i, i)] + row_dot(seen.as_ref(), basis.as_ref(), i)));
@@ -269,7 +269,7 @@ impl BlockMatrix {
         let mut transform = Mat::<f64>::zeros(size, self.core.nrows());
         let mut out = Mat::<f64>::zeros(size, size);
         let (mut at, mut column) = (0, 0);
-        for (basis, block) in self.bases.iter().zip(&self.local) {
+        for (basis, block) in self.bases.iter().zip(self.local.iter()) {
             let (n, r) = basis.shape();
             transform.submatrix_mut(at, column, n, r).copy_from(basis);
             out.submatrix_mut(at, at, n, n).copy_from(block);
@@ -297,21 +297,24 @@ impl BlockMatrix {
         for (group, basis) in self.bases.iter().enumerate() {
             place.extend((0..basis.nrows()).map(|i| (group, i)));
         }
-        let mut blocks = self.local.clone();
+        let n_groups = self.local.len();
+        let mut added = vec![Vec::new(); n_groups];
         for (row, column, value) in entries {
             let ((group, i), (other, j)) = (place[row], place[column]);
             assert_eq!(group, other, "entries must not couple groups");
-            blocks[group][(i, j)] += value;
+            added[group].push((i, j, value));
         }
-        let mut local = Vec::with_capacity(blocks.len());
-        let mut responses = Vec::with_capacity(blocks.len());
+        let mut local = Vec::with_capacity(n_groups);
+        let mut responses = Vec::with_capacity(n_groups);
         let rank = self.core.nrows();
         // C G: columns of the core times the compliance seen by each basis.
         let mut system = Mat::<f64>::zeros(rank, rank);
         let mut column = 0;
         let mut first = 0;
-        for (block, basis) in blocks.into_iter().zip(self.bases.iter()) {
+        for ((block, basis), added) in self.local.iter().zip(self.bases.iter()).zip(added) {
             let r = basis.ncols();
+            let mut block = block.clone();
+            added.into_iter().for_each(|(i, j, value)| block[(i, j)] += value);
             let lower = cholesky_in_place(block).map_err(|error| match error {
                 Error::NotPositiveDefinite { pivot, .. } => Error::NotPositiveDefinite {
                     pivot: first + pivot,

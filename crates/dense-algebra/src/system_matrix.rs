@@ -1,19 +1,22 @@
 //! Stiffness or mass of a reduced structure: dense, or blocks with a coupling of low rank.
 
 use crate::blocks::{BlockInverse, BlockMatrix};
-use crate::{Error, Symmetric, cholesky_in_place, lowest_pairs, product, symmetric, symmetric_pair};
+use crate::{Error, Symmetric, add_product, cholesky_in_place, lowest_pairs, product, symmetric, symmetric_eigen};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
+use rayon::prelude::*;
 
-/// Most subspace iterations for modes of a [`BlockMatrix`]; a dozen are usual.
-const MAX_ITERATIONS: usize = 200;
+/// Vectors of a Lanczos step: as many equal eigenvalues are found.
+const WIDTH: usize = 8;
 
-/// Relative change of the eigenvalues from one iteration to the next at which they count as found, and at which they do where it does not fall any more.
-const SETTLED: f64 = 1e-13;
-const PLATEAU: f64 = 1e-9;
+/// Most vectors of all steps.
+const MOST_VECTORS: usize = 600;
 
-/// Iterations without a smaller change that make a plateau.
-const WAITING: usize = 5;
+/// What the image of a pair may have beside all vectors, relative to it.
+const SETTLED: f64 = 1e-9;
+
+/// What is left of a vector beside others, relative to it, that counts as round-off.
+const DEPENDENT: f64 = 1e-13;
 
 /// A symmetric matrix.
 #[derive(Clone, Debug, PartialEq)]
@@ -294,55 +297,99 @@ impl Inverse {
     }
 }
 
-/// The `count` lowest eigenpairs of `a y = lambda m y` with the `inverse` of `a` and a positive semi-definite `m`, with `y^T m y = 1`, by subspace
-/// iteration.
+/// The `count` lowest eigenpairs of `a y = lambda m y` with the `inverse` of `a` and a positive semi-definite `m`, with `y^T m y = 1`, by block Lanczos
+/// steps with `a^-1 m` in the inner product of `m`: with blocks a product is most of the work, and each adds to all pairs.
 fn lowest_pairs_of_inverse(
     inverse: &BlockInverse,
     m: SystemMatrixRef<'_>,
     count: usize,
 ) -> Result<(Vec<f64>, Mat<f64>), Error> {
     let size = m.size();
-    let width = (2 * count + 10).min(size);
-    let mut shapes = crate::scattered(size, width);
-    let mut previous = vec![0.0; count];
-    let (mut least_change, mut since) = (f64::INFINITY, 0);
-    for _ in 0..MAX_ITERATIONS {
-        let momenta = m.product(shapes.as_ref());
-        let mut motions = Mat::zeros(size, momenta.ncols());
-        for j in 0..momenta.ncols() {
-            inverse.product_into(momenta.col_as_slice(j), motions.col_as_slice_mut(j));
+    let images = |momenta: &Mat<f64>| {
+        let columns: Vec<Vec<f64>> = (0..momenta.ncols())
+            .into_par_iter()
+            .map(|j| {
+                let mut motion = vec![0.0; size];
+                inverse.product_into(momenta.col_as_slice(j), &mut motion);
+                motion
+            })
+            .collect();
+        Mat::from_fn(size, columns.len(), |i, j| columns[j][i])
+    };
+    // Vectors that are orthonormal in the mass, their momenta, and the operator between them.
+    let (mut vectors, mut momenta) = (Mat::<f64>::zeros(size, 0), Mat::<f64>::zeros(size, 0));
+    let mut operator = Mat::<f64>::zeros(0, 0);
+    let mut block = images(&m.product(crate::scattered(size, WIDTH.min(size)).as_ref()));
+    let mut norms = Mat::<f64>::zeros(0, 0);
+    loop {
+        // What the block has beside the vectors so far; in a second pass, what round-off left of them.
+        for _ in 0..2 {
+            let common = product(momenta.transpose(), block.as_ref());
+            add_product(block.as_mut(), vectors.as_ref(), common.as_ref(), -1.0);
+            let own = symmetric(product(block.transpose(), m.product(block.as_ref()).as_ref()).as_ref());
+            let lengths: Vec<f64> = (0..own.nrows()).map(|i| own[(i, i)].max(0.0).sqrt()).collect();
+            if norms.nrows() == 0 {
+                norms.clone_from(&own);
+            }
+            let longest = lengths.iter().copied().fold(0.0, f64::max);
+            let used: Vec<usize> = (0..lengths.len()).filter(|&i| lengths[i] > DEPENDENT * longest).collect();
+            let scaled = Mat::from_fn(used.len(), used.len(), |i, j| {
+                own[(used[i], used[j])] / (lengths[used[i]] * lengths[used[j]])
+            });
+            let (values, turn) = symmetric_eigen(scaled.as_ref())?;
+            let kept: Vec<usize> = (0..values.len()).filter(|&i| values[i] > DEPENDENT).collect();
+            let turn = Mat::from_fn(own.nrows(), kept.len(), |i, j| match used.binary_search(&i) {
+                Ok(at) => turn[(at, kept[j])] / (lengths[i] * values[kept[j]].sqrt()),
+                Err(_) => 0.0,
+            });
+            block = product(block.as_ref(), turn.as_ref());
         }
-        // Of the motions: the stiffness is that of the momenta that cause them.
-        let stiffness = symmetric(product(motions.transpose(), momenta.as_ref()).as_ref());
-        let inertia = symmetric(product(motions.transpose(), m.product(motions.as_ref()).as_ref()).as_ref());
-        // In the metric of the stiffness, which is positive definite where momenta are independent.
-        let (ascending, rotation) =
-            symmetric_pair(inertia.as_ref(), stiffness.as_ref()).map_err(|error| match error {
-                Error::NotPositiveDefinite { .. } => Error::Rank { size, count },
-                other => other,
-            })?;
-        let values: Vec<f64> = ascending.iter().rev().take(count).copied().collect();
-        let largest = values.first().copied().unwrap_or_default();
-        if values.len() < count || !values.iter().all(|v| *v > f64::EPSILON * largest) {
+        let known = vectors.ncols();
+        if known > 0 {
+            let (ascending, rotation) = symmetric_eigen(operator.as_ref())?;
+            let found = count.min(known);
+            let last = norms.nrows();
+            // What the image of a pair has beside all vectors.
+            let residual = |j: usize| {
+                let own = rotation.submatrix(known - last, known - 1 - j, last, 1);
+                product(own.transpose(), product(norms.as_ref(), own).as_ref())[(0, 0)].max(0.0).sqrt()
+            };
+            let settled = (0..found).all(|j| residual(j) <= SETTLED * ascending[known - 1 - j]);
+            let is_complete = block.ncols() == 0;
+            if (settled && found == count) || is_complete {
+                let largest = ascending[known - 1];
+                let values: Vec<f64> = (0..found).map(|j| ascending[known - 1 - j]).collect();
+                if found < count || !values.iter().all(|v| *v > f64::EPSILON * largest) {
+                    return Err(Error::Rank { size, count });
+                }
+                let turn = Mat::from_fn(known, count, |i, j| rotation[(i, known - 1 - j)]);
+                let shapes = product(vectors.as_ref(), turn.as_ref());
+                return Ok((values.iter().map(|v| 1.0 / v).collect(), shapes));
+            }
+            if known >= MOST_VECTORS {
+                return Err(Error::NoConvergence { size });
+            }
+        } else if block.ncols() == 0 {
             return Err(Error::Rank { size, count });
         }
-        let n = ascending.len();
-        let turn = Mat::from_fn(n, n, |i, j| {
-            rotation[(i, n - 1 - j)] / ascending[n - 1 - j].abs().sqrt()
-        });
-        shapes = product(motions.as_ref(), turn.as_ref());
-        let changes = values
-            .iter()
-            .zip(&previous)
-            .map(|(value, before)| (value - before).abs() / value);
-        let change = changes.fold(0.0, f64::max);
-        since = if change < least_change { 0 } else { since + 1 };
-        least_change = change.min(least_change);
-        previous.clone_from(&values);
-        if change < SETTLED || (since >= WAITING && change < PLATEAU) {
-            let shapes = shapes.subcols(0, count).to_owned();
-            return Ok((values.iter().map(|v| 1.0 / v).collect(), shapes));
-        }
+        let of_block = m.product(block.as_ref());
+        let next = images(&of_block);
+        let beside = |a: &Mat<f64>, b: &Mat<f64>| {
+            let mut all = Mat::zeros(size, a.ncols() + b.ncols());
+            all.subcols_mut(0, a.ncols()).copy_from(a);
+            all.subcols_mut(a.ncols(), b.ncols()).copy_from(b);
+            all
+        };
+        vectors = beside(&vectors, &block);
+        momenta = beside(&momenta, &of_block);
+        let coupling = product(momenta.transpose(), next.as_ref());
+        let n = vectors.ncols();
+        let mut grown = Mat::zeros(n, n);
+        grown.submatrix_mut(0, 0, known, known).copy_from(&operator);
+        grown.subcols_mut(known, n - known).copy_from(&coupling);
+        grown.subrows_mut(known, n - known).copy_from(coupling.transpose());
+        operator = symmetric(grown.as_ref());
+        block = next;
+        norms = Mat::zeros(0, 0);
     }
-    Err(Error::NoConvergence { size })
 }

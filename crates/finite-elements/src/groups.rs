@@ -311,6 +311,6 @@ pub(crate) fn joined(
         let core = Mat::from_fn(places.len(), places.len(), |i, j| {
             left[(places[i].max(places[j]), places[i].min(places[j]))]
         });
-        SystemMatrix::Blocks(BlockMatrix::new(bases.clone(), local, Vec::new(), core))
+        SystemMatrix::Blocks(BlockMatrix::new(bases.clone(), Arc::new(local), Vec::new(), core))
     })
 }

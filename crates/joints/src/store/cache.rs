@@ -130,7 +130,7 @@ pub fn load<F: DeserializeOwned>(directory: &Path, key: &Key) -> Option<(Reduced
                 let local = groups.sizes.iter().map(|&size| lower(size, &mut next)).collect();
                 let rest = (0..n_rest).map(|_| next()).collect();
                 let core = lower(rank + n_rest, &mut next);
-                SystemMatrix::Blocks(BlockMatrix::new(bases.clone(), local, rest, core))
+                SystemMatrix::Blocks(BlockMatrix::new(bases.clone(), Arc::new(local), rest, core))
             };
             (blocks(), blocks())
         }
