@@ -19,6 +19,17 @@ pub struct Fields {
     pub flux: [Vec<f64>; 3],
 }
 
+/// What the loop of one amplitude did at one of several interfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct JointLoop {
+    /// Share of its area that slips at the positive peak.
+    pub slip_fraction: f64,
+    /// Share that is open there.
+    pub open_fraction: f64,
+    /// Dissipation per cycle (J).
+    pub dissipation: f64,
+}
+
 /// What the loop of one amplitude did at the interface.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LoopFields {
@@ -26,6 +37,9 @@ pub struct LoopFields {
     pub slip_fraction: f64,
     /// Area fraction that is open there.
     pub open_fraction: f64,
+    /// The same of each interface, where there are several.
+    #[serde(default)]
+    pub joints: Vec<JointLoop>,
     /// Dissipation per cycle from the points' loops (J) (eq. 43).
     pub dissipation: f64,
     /// Largest tangential motion from the prestress over the loop (m).

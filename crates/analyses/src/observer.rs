@@ -1,11 +1,11 @@
 //! Watches hysteresis loops at the quadrature points.
 
-use super::amplitude::{Fields, LoopFields};
+use super::amplitude::{Fields, JointLoop, LoopFields};
 use super::element_loops::ElementLoops;
 use super::walks::Walks;
 use contact_laws::Regime;
 use cqsma_solver::{BackbonePoint, LoopObserver};
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use zte_assembly::flux::LoopArea;
 use zte_assembly::{Interface, Workspace};
 
@@ -70,6 +70,8 @@ pub(super) struct Watcher<'a> {
     peak: f64,
     slip_fraction: f64,
     open_fraction: f64,
+    /// Of each interface, where there are several.
+    joints: Vec<JointLoop>,
     largest_sliding: f64,
     /// The workspace at the positive peak, if it is to be stored.
     at_peak: Option<Workspace>,
@@ -105,6 +107,7 @@ impl<'a> Watcher<'a> {
             peak: f64::NEG_INFINITY,
             slip_fraction: 0.0,
             open_fraction: 0.0,
+            joints: Vec::new(),
             largest_sliding: 0.0,
             at_peak: None,
             stores_displacement: stored.displacement,
@@ -121,9 +124,15 @@ impl<'a> Watcher<'a> {
             .iter()
             .map(|f| f.iter().zip(weights).map(|(f, w)| f * w).sum::<f64>())
             .sum();
+        let mut joints = std::mem::take(&mut self.joints);
+        for (joint, points) in joints.iter_mut().zip(self.interface.points_of_laws()) {
+            let of_point = |p: usize| weights[p] * flux.iter().map(|f| f[p]).sum::<f64>();
+            joint.dissipation = points.map(of_point).sum();
+        }
         LoopFields {
             slip_fraction: self.slip_fraction,
             open_fraction: self.open_fraction,
+            joints,
             dissipation,
             largest_sliding: self.largest_sliding,
             response_motion: self.motion.half_range(),
@@ -173,15 +182,30 @@ impl LoopObserver<Workspace> for Watcher<'_> {
         if modal_force >= self.peak {
             self.peak = modal_force;
             let operators = self.interface.operators();
-            let fraction = |regime: Regime| {
-                let found = workspace
-                    .regime
+            let fraction = |regime: Regime, points: Range<usize>, area: f64| {
+                let found = workspace.regime[points.clone()]
                     .iter()
-                    .zip(&operators.weights)
+                    .zip(&operators.weights[points])
                     .filter(|(r, _)| **r == regime);
-                found.fold(0.0, |sum, (_, w)| sum + w) / operators.area()
+                found.fold(0.0, |sum, (_, w)| sum + w) / area
             };
-            (self.slip_fraction, self.open_fraction) = (fraction(Regime::Slip), fraction(Regime::Open));
+            let of = |(points, area): (Range<usize>, f64)| {
+                let slip = fraction(Regime::Slip, points.clone(), area);
+                (slip, fraction(Regime::Open, points, area))
+            };
+            (self.slip_fraction, self.open_fraction) = of((0..workspace.regime.len(), operators.area()));
+            if self.interface.points_of_laws().nth(1).is_some() {
+                let joints = self.interface.points_of_laws().map(|points| {
+                    let area = operators.weights[points.clone()].iter().sum();
+                    let (slip_fraction, open_fraction) = of((points, area));
+                    JointLoop {
+                        slip_fraction,
+                        open_fraction,
+                        dissipation: 0.0,
+                    }
+                });
+                self.joints = joints.collect();
+            }
             if self.store {
                 self.at_peak = Some(workspace.clone());
             }

@@ -157,7 +157,13 @@ impl BlockMatrix {
             |a: &Mat<f64>, b: &Mat<f64>| Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] + factor * b[(i, j)]);
         Self {
             bases: self.bases.clone(),
-            local: Arc::new(self.local.iter().zip(other.local.iter()).map(|(a, b)| sum(a, b)).collect()),
+            local: Arc::new(
+                self.local
+                    .iter()
+                    .zip(other.local.iter())
+                    .map(|(a, b)| sum(a, b))
+                    .collect(),
+            ),
             rest: self.rest.iter().zip(&other.rest).map(|(a, b)| a + factor * b).collect(),
             core: sum(&self.core, &other.core),
         }

@@ -16,7 +16,7 @@ const MOST_VECTORS: usize = 600;
 const SETTLED: f64 = 1e-9;
 
 /// What is left of a vector beside others, relative to it, that counts as round-off.
-const DEPENDENT: f64 = 1e-13;
+const DEPENDENT: f64 = 1e-12;
 
 /// A symmetric matrix.
 #[derive(Clone, Debug, PartialEq)]
@@ -321,18 +321,29 @@ fn lowest_pairs_of_inverse(
     let mut operator = Mat::<f64>::zeros(0, 0);
     let mut block = images(&m.product(crate::scattered(size, WIDTH.min(size)).as_ref()));
     let mut norms = Mat::<f64>::zeros(0, 0);
+    let gram = |a: &Mat<f64>| symmetric(product(a.transpose(), m.product(a.as_ref()).as_ref()).as_ref());
+    let lengths_of =
+        |gram: &Mat<f64>| -> Vec<f64> { (0..gram.nrows()).map(|i| gram[(i, i)].max(0.0).sqrt()).collect() };
     loop {
+        let longest = lengths_of(&gram(&block)).into_iter().fold(0.0, f64::max);
         // What the block has beside the vectors so far; in a second pass, what round-off left of them.
-        for _ in 0..2 {
+        for pass in 0..2 {
             let common = product(momenta.transpose(), block.as_ref());
             add_product(block.as_mut(), vectors.as_ref(), common.as_ref(), -1.0);
-            let own = symmetric(product(block.transpose(), m.product(block.as_ref()).as_ref()).as_ref());
-            let lengths: Vec<f64> = (0..own.nrows()).map(|i| own[(i, i)].max(0.0).sqrt()).collect();
-            if norms.nrows() == 0 {
+            let own = gram(&block);
+            let lengths = lengths_of(&own);
+            // The second pass finds vectors of unit length.
+            let longest = if pass == 0 { longest } else { 1.0 };
+            if pass == 0 {
                 norms.clone_from(&own);
             }
-            let longest = lengths.iter().copied().fold(0.0, f64::max);
-            let used: Vec<usize> = (0..lengths.len()).filter(|&i| lengths[i] > DEPENDENT * longest).collect();
+            let used: Vec<usize> = (0..lengths.len())
+                .filter(|&i| lengths[i] > DEPENDENT * longest)
+                .collect();
+            if used.is_empty() {
+                block = Mat::zeros(size, 0);
+                break;
+            }
             let scaled = Mat::from_fn(used.len(), used.len(), |i, j| {
                 own[(used[i], used[j])] / (lengths[used[i]] * lengths[used[j]])
             });
@@ -352,7 +363,9 @@ fn lowest_pairs_of_inverse(
             // What the image of a pair has beside all vectors.
             let residual = |j: usize| {
                 let own = rotation.submatrix(known - last, known - 1 - j, last, 1);
-                product(own.transpose(), product(norms.as_ref(), own).as_ref())[(0, 0)].max(0.0).sqrt()
+                product(own.transpose(), product(norms.as_ref(), own).as_ref())[(0, 0)]
+                    .max(0.0)
+                    .sqrt()
             };
             let settled = (0..found).all(|j| residual(j) <= SETTLED * ascending[known - 1 - j]);
             let is_complete = block.ncols() == 0;
@@ -390,6 +403,5 @@ fn lowest_pairs_of_inverse(
         grown.subrows_mut(known, n - known).copy_from(coupling.transpose());
         operator = symmetric(grown.as_ref());
         block = next;
-        norms = Mat::zeros(0, 0);
     }
 }

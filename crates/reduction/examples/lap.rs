@@ -35,6 +35,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let springs = sprs::CsMat::eye(relative.n_relative).map(|one: &f64| 1e7 * one);
     let full = checks::full_frequencies(&relative, Some(&springs), 4, 1e-7, Limits::default())?.1;
     let small = checks::reduced_spectrum(&reduced, &springs, 4)?.frequencies;
-    println!("full [Hz] {full:.1?}, reduced to {} {small:.1?}", reduced.mass.nrows());
+    println!("full [Hz] {full:.1?}, reduced to {} {small:.1?}", reduced.size());
     Ok(())
 }

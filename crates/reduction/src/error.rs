@@ -166,10 +166,10 @@ pub enum Error {
         /// Largest difference over the size of the terms that are summed.
         deviation: f64,
     },
-    /// Rows of the reduced matrices from condensation and columns from solves differ, so neither is accurate enough.
+    /// Columns of the reduced matrices from condensation and from solves differ, so neither is accurate enough.
     #[error(
-        "reduced {matrix} is unsymmetric by {asymmetry:.1e} of its largest entry between condensation and solves; the \
-         model is too ill-conditioned"
+        "columns of the reduced {matrix} from condensation and from solves differ by {asymmetry:.1e} of its largest entry; make \
+         model.coupling_tolerance smaller if there is one, otherwise the model is too ill-conditioned"
     )]
     Asymmetry {
         /// Which matrix.

@@ -109,6 +109,11 @@ fn diagonal(values: &[f64]) -> sprs::CsMat<f64> {
     sprs::CsMat::new((n, n), (0..=n).collect(), (0..n).collect(), values.to_vec())
 }
 
+/// All entries of a reduced matrix.
+fn entries(matrix: &dense_algebra::SystemMatrix) -> faer::Mat<f64> {
+    matrix.as_ref().to_dense()
+}
+
 #[test]
 fn relative_coordinates_change_nothing_but_the_names() {
     let (system, relative) = relative(&lap());
@@ -233,8 +238,8 @@ fn matrices_over_the_jump_are_those_of_the_static_responses() {
     let seen = |a: &faer::Mat<f64>| product(basis.transpose(), product(a.as_ref(), basis.as_ref()).as_ref());
     let mass = seen(&m) - product(momentum.transpose(), momentum.as_ref());
     for (name, expected, matrix) in [
-        ("stiffness", seen(&k), &reduced.stiffness),
-        ("mass", mass, &reduced.mass),
+        ("stiffness", seen(&k), entries(&reduced.stiffness)),
+        ("mass", mass, entries(&reduced.mass)),
     ] {
         let error = difference(expected.as_ref(), matrix.submatrix(0, 0, nd, nd));
         println!("{name} {error:.1e}");
@@ -259,7 +264,7 @@ fn static_response_of_the_jump_is_exact() {
     .unwrap();
     let nd = relative.n_relative;
     let springs = 1e7;
-    let mut small = reduced.stiffness.clone();
+    let mut small = entries(&reduced.stiffness);
     (0..nd).for_each(|i| small[(i, i)] += springs);
     let llt = small.llt(faer::Side::Lower).unwrap();
     let mut x = faer::Mat::from_fn(small.nrows(), 1, |i, _| reduced.loads[0][i]);
@@ -390,13 +395,13 @@ fn a_jump_that_is_fixed_stays_as_a_coordinate_that_nothing_moves() {
         assert!(b / a > 1.0 - 1e-8 && b / a < 1.0 + 3e-3, "{a} {b}");
     }
     for &i in &held {
-        let others = (0..reduced.mass.nrows()).filter(|&j| j != i);
+        let others = (0..reduced.size()).filter(|&j| j != i);
         assert!(
             others
                 .into_iter()
-                .all(|j| reduced.stiffness[(i, j)] == 0.0 && reduced.mass[(i, j)].abs() < 1e-14)
+                .all(|j| entries(&reduced.stiffness)[(i, j)] == 0.0 && entries(&reduced.mass)[(i, j)].abs() < 1e-14)
         );
-        let own = (reduced.stiffness[(i, i)] / reduced.mass[(i, i)]).sqrt() / std::f64::consts::TAU;
+        let own = (entries(&reduced.stiffness)[(i, i)] / entries(&reduced.mass)[(i, i)]).sqrt() / std::f64::consts::TAU;
         assert!(own > 5.0 * small[11], "{own} {}", small[11]);
     }
 
@@ -525,9 +530,9 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
     };
     let errors = [5, 20, 80].map(|n_modes| {
         let reduced = reduce(&relative, &[], attached(n_modes), &mut |_, _| {}, Limits::default()).unwrap();
-        assert_eq!(reduced.mass.nrows(), relative.n_relative + n_modes + 2);
+        assert_eq!(reduced.size(), relative.n_relative + n_modes + 2);
         let locked = reduced.locked().unwrap();
-        assert_eq!(locked.mass.nrows(), relative.n_relative + n_modes);
+        assert_eq!(locked.size(), relative.n_relative + n_modes);
         // What the system with the bolts eliminated from the start is reduced to with as many modes.
         let direct = Settings {
             attachment_modes: false,
@@ -577,10 +582,11 @@ fn one_load_held_and_one_given_is_the_system_with_the_first_eliminated() {
     first.loads.truncate(1);
     let eliminated = first.locked().unwrap();
     let direct = reduce(&eliminated, &[], Settings::default(), &mut |_, _| {}, Limits::default()).unwrap();
-    let size = (0..nd).map(|i| direct.stiffness[(i, i)]).fold(0.0, f64::max);
+    let (of_direct, of_system) = (entries(&direct.stiffness), entries(&system.stiffness));
+    let size = (0..nd).map(|i| of_direct[(i, i)]).fold(0.0, f64::max);
     for j in 0..nd {
         for i in 0..nd {
-            let difference = (direct.stiffness[(i, j)] - system.stiffness[(i, j)]).abs();
+            let difference = (of_direct[(i, j)] - of_system[(i, j)]).abs();
             assert!(difference < 1e-9 * size, "{i} {j}: {difference:e} of {size:e}");
         }
     }
@@ -596,7 +602,9 @@ fn one_load_held_and_one_given_is_the_system_with_the_first_eliminated() {
         assert!((work(load) - moved).abs() < 1e-12 * held);
     }
     let force = |i: usize| -> (f64, f64) {
-        let elastic = (0..all.len()).map(|j| reduced.stiffness[(i, j)] * all[j]).sum::<f64>();
+        let elastic = (0..all.len())
+            .map(|j| entries(&reduced.stiffness)[(i, j)] * all[j])
+            .sum::<f64>();
         (
             elastic,
             tensions.iter().zip(&reduced.loads).map(|(t, load)| t * load[i]).sum(),
@@ -612,7 +620,7 @@ fn one_load_held_and_one_given_is_the_system_with_the_first_eliminated() {
     // Over the jump what is left is what the held system leaves.
     for i in 0..nd {
         let (elastic, load) = force(i);
-        let own = (0..nd).map(|j| system.stiffness[(i, j)] * jump[j]).sum::<f64>() - system.load[i];
+        let own = (0..nd).map(|j| of_system[(i, j)] * jump[j]).sum::<f64>() - system.load[i];
         assert!((elastic - load - own).abs() < 1e-9 * size * 1e-6, "{i}");
     }
     let without = reduce(&relative, &[], Settings::default(), &mut |_, _| {}, Limits::default()).unwrap();
@@ -651,8 +659,12 @@ fn statics_of_the_locked_model_are_those_of_the_locked_system() {
     let nd = relative.n_relative;
     let jump = |m: &faer::Mat<f64>| m.submatrix(0, 0, nd, nd).to_owned();
     for (name, a, b) in [
-        ("stiffness", jump(&direct.stiffness), jump(&locked.stiffness)),
-        ("mass", jump(&direct.mass), jump(&locked.mass)),
+        (
+            "stiffness",
+            jump(&entries(&direct.stiffness)),
+            jump(&entries(&locked.stiffness)),
+        ),
+        ("mass", jump(&entries(&direct.mass)), jump(&entries(&locked.mass))),
         (
             "recovery",
             direct.recovery.subcols(0, nd).to_owned(),
@@ -663,8 +675,8 @@ fn statics_of_the_locked_model_are_those_of_the_locked_system() {
         println!("{name} {error:.1e}");
         assert!(error < 1e-8, "{name}: {error}");
     }
-    let rest = locked.stiffness.nrows() - nd;
-    assert_eq!(locked.stiffness.submatrix(0, nd, nd, rest).norm_max(), 0.0);
+    let rest = entries(&locked.stiffness).nrows() - nd;
+    assert_eq!(entries(&locked.stiffness).submatrix(0, nd, nd, rest).norm_max(), 0.0);
     // Stuck modes, also of the locked structure: the first follow from 8 modes and two attachment modes.
     for (a, b) in direct.stuck_frequencies.iter().zip(&locked.stuck_frequencies).take(4) {
         assert!(b / a > 1.0 - 1e-8 && b / a < 1.001, "{a} {b}");
@@ -769,7 +781,7 @@ fn attachment_modes_complete_the_compliance_at_the_loads() {
         factor.solve_in_place(x.as_mut());
         let full = dense_algebra::product(loads.transpose(), x.as_ref());
         let compliance = |model: &ReducedModel| {
-            let mut stiffness = model.stiffness.clone();
+            let mut stiffness = entries(&model.stiffness);
             (0..nd).for_each(|i| stiffness[(i, i)] += springs);
             let lower = dense_algebra::cholesky(stiffness.as_ref()).unwrap();
             let mut half = faer::Mat::from_fn(stiffness.nrows(), 2, |i, j| model.loads[j][i]);
@@ -828,15 +840,14 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
         let mut model = reduce(&relative, &rows, settings, &mut |_, _| {}, Limits::default()).unwrap();
         model.truncate(kept);
         // No entry is like another.
-        let coordinates = |model: &ReducedModel| {
-            faer::Mat::from_fn(model.mass.nrows(), 3, |i, j| 1e-6 * ((1 + i * (7 + j)) as f64).sin())
-        };
+        let coordinates =
+            |model: &ReducedModel| faer::Mat::from_fn(model.size(), 3, |i, j| 1e-6 * ((1 + i * (7 + j)) as f64).sin());
         let motions = coordinates(&model);
         let found = reduction::displacements(&relative, &rows, settings, &model, motions.as_ref()).unwrap();
         assert_eq!(found.subrows(0, nd), motions.subrows(0, nd));
         for (name, full, reduced) in [
-            ("stiffness", &relative.stiffness, &model.stiffness),
-            ("mass", &relative.mass, &model.mass),
+            ("stiffness", &relative.stiffness, entries(&model.stiffness)),
+            ("mass", &relative.mass, entries(&model.mass)),
         ] {
             let of_full = product(found.transpose(), times(full, &found).as_ref());
             let of_reduced = product(
@@ -864,7 +875,7 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
             let of_full = product(found.transpose(), times(&relative.mass, &found).as_ref());
             let of_locked = product(
                 motions.transpose(),
-                product(locked.mass.as_ref(), motions.as_ref()).as_ref(),
+                product(entries(&locked.mass).as_ref(), motions.as_ref()).as_ref(),
             );
             let error = difference(of_locked.as_ref(), of_full.as_ref());
             assert!(error < 1e-9, "{error:.1e}");
@@ -1016,8 +1027,13 @@ fn symmetric_and_antisymmetric_parts_make_the_whole() {
     expected.align_with(&found).unwrap();
     let row = |load: &Vec<f64>| faer::Mat::from_fn(1, load.len(), |_, j| load[j]);
     let mut compared = vec![
-        ("stiffness", found.stiffness.clone(), expected.stiffness.clone(), 1e-12),
-        ("mass", found.mass.clone(), expected.mass.clone(), 1e-9),
+        (
+            "stiffness",
+            entries(&found.stiffness),
+            entries(&expected.stiffness),
+            1e-12,
+        ),
+        ("mass", entries(&found.mass), entries(&expected.mass), 1e-9),
         ("recovery", found.recovery.clone(), expected.recovery.clone(), 1e-9),
     ];
     for (a, b) in found.loads.iter().zip(&expected.loads) {
@@ -1032,11 +1048,11 @@ fn symmetric_and_antisymmetric_parts_make_the_whole() {
         assert!((a / b - 1.0).abs() < 1e-11, "{a} {b}");
     }
     // Motions of both parts together.
-    let motions = faer::Mat::from_fn(found.mass.nrows(), 2, |i, j| 1e-6 * ((1 + i * (3 + j)) as f64).sin());
+    let motions = faer::Mat::from_fn(found.size(), 2, |i, j| 1e-6 * ((1 + i * (3 + j)) as f64).sin());
     let moved = reduction::displacements(&relative, &rows, settings, &found, motions.as_ref()).unwrap();
     for (name, full, reduced) in [
-        ("stiffness", &relative.stiffness, &found.stiffness),
-        ("mass", &relative.mass, &found.mass),
+        ("stiffness", &relative.stiffness, entries(&found.stiffness)),
+        ("mass", &relative.mass, entries(&found.mass)),
     ] {
         let error = difference(
             energies(reduced.as_ref(), &motions).as_ref(),
@@ -1080,7 +1096,10 @@ fn loads_with_attachment_modes_act_on_one_part_or_the_whole_is_taken() {
     let [found, expected] = [found, expected].map(|model| model.locked().unwrap());
     let nd = found.n_relative;
     let jump = |a: &faer::Mat<f64>| a.submatrix(0, 0, nd, nd).to_owned();
-    let stiffness = difference(jump(&expected.stiffness).as_ref(), jump(&found.stiffness).as_ref());
+    let stiffness = difference(
+        jump(&entries(&expected.stiffness)).as_ref(),
+        jump(&entries(&found.stiffness)).as_ref(),
+    );
     assert!(stiffness < 1e-9, "{stiffness:.1e}");
     for (a, b) in found.stuck_frequencies.iter().zip(&expected.stuck_frequencies).take(6) {
         assert!((a / b - 1.0).abs() < 1e-7, "{a} {b}");

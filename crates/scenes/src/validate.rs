@@ -196,11 +196,11 @@ impl Scene {
         )?;
         let tolerance = model.coupling_tolerance.unwrap_or(0.0);
         check.that(
-            (0.0..=1e-3).contains(&tolerance),
+            (0.0..=1e-6).contains(&tolerance),
             "model.coupling_tolerance",
             tolerance,
             "",
-            "between 0 (nothing is left out) and 1e-3",
+            "between 0 (dense matrices, nothing is left out) and 1e-6",
         )?;
         if let Some(deck) = self.structure.deck() {
             deck.validate(check)?;

@@ -218,6 +218,11 @@ impl Interface {
         Ok(Self { gap, ..self.clone() })
     }
 
+    /// The points of each law, in order.
+    pub fn points_of_laws(&self) -> impl Iterator<Item = Range<usize>> {
+        self.laws.iter().map(|(points, _)| points.clone())
+    }
+
     /// Geometry and quadrature.
     pub fn operators(&self) -> &Operators {
         &self.operators

@@ -21,6 +21,22 @@ pub enum Status {
     NotConverged,
 }
 
+/// What the loop of an amplitude did at one of several interfaces.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct JointSummary {
+    /// Name of the interface.
+    pub name: String,
+    /// Share of its area that slips at the positive peak.
+    pub slip_fraction: f64,
+    /// Share of its area that is not open there.
+    pub contact_area_fraction: f64,
+    /// Dissipation per cycle (J).
+    pub dissipation: f64,
+    /// Share of the dissipation of all interfaces; `null` where these dissipate nothing.
+    pub dissipation_share: Option<f64>,
+}
+
 /// One amplitude; `null` where the loop did not converge.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -64,6 +80,9 @@ pub struct BackboneSummary {
     pub slip_fraction: Option<f64>,
     /// Area fraction open there.
     pub open_fraction: Option<f64>,
+    /// What each interface did, where there are several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joints: Vec<JointSummary>,
     /// Equilibria found, all cycles together.
     pub load_points: usize,
     /// Newton iterations of the whole loop.

@@ -1,9 +1,10 @@
 //! The machine-readable account of a run: the contract that scripts rely on, all in SI.
 
-pub use super::amplitudes::{BackboneSummary, Status};
+pub use super::amplitudes::{BackboneSummary, JointSummary, Status};
 use super::answer::{Answer, Found, answer};
 use super::provenance::Provenance;
 use crate::adaptation::Adaptation;
+use crate::amplitude::JointLoop;
 use crate::ensemble::Ensemble;
 use crate::error_bar::ErrorBar;
 use crate::error_estimate::ErrorEstimate;
@@ -16,6 +17,7 @@ use crate::validity::Validity;
 use crate::warnings::Warning;
 use crate::{AmplitudeResult, ModeBackbone, Run, Sensitivity, TighteningResult};
 use cqsma_solver::Reason;
+use dense_algebra::SystemMatrix;
 use harmonic_balance::backbone::Point;
 use joint_model::MovedPairs;
 use joint_model::benchmark::Symmetry;
@@ -192,6 +194,9 @@ pub struct ModelSummary {
     pub penalty_spectrum_error: f64,
     /// Difference between reduced matrices from condensation and from solves, relative to their largest entry.
     pub reduction_asymmetry: f64,
+    /// The form of the reduced matrices.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flexibility: Option<Flexibility>,
     /// Pairs of interface nodes of a deck that were moved to their midpoints; left out where all nodes coincide in pairs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moved_pairs: Option<MovedPairs>,
@@ -201,6 +206,23 @@ pub struct ModelSummary {
     /// How far results on this mesh are from the limit of the mesh.
     #[serde(default)]
     pub error_bar: ErrorBar,
+}
+
+/// The form of reduced matrices.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Flexibility {
+    /// `dense`, or `blocks`: one of each interface, coupled through few combinations of its jump.
+    pub form: String,
+    /// Blocks.
+    pub blocks: usize,
+    /// Combinations of all blocks together.
+    pub rank: usize,
+    /// What may be left out of the coupling, relative to the largest; 0 of dense matrices.
+    pub tolerance: f64,
+    /// What is left out, and round-off: difference between some columns of the matrices and those found by solves with the full structure, relative to
+    /// their largest entry.
+    pub measured_error: f64,
 }
 
 /// The gap.
@@ -358,6 +380,22 @@ impl Summary {
                 penalty_frequencies_hz: facts.penalty_frequencies_hz.clone(),
                 penalty_spectrum_error: facts.penalty_error,
                 reduction_asymmetry: reduced.asymmetry,
+                flexibility: Some(match &reduced.stiffness {
+                    SystemMatrix::Dense(_) => Flexibility {
+                        form: "dense".to_owned(),
+                        blocks: 1,
+                        rank: 0,
+                        tolerance: 0.0,
+                        measured_error: reduced.asymmetry,
+                    },
+                    SystemMatrix::Blocks(stiffness) => Flexibility {
+                        form: "blocks".to_owned(),
+                        blocks: stiffness.local().len(),
+                        rank: stiffness.rank(),
+                        tolerance: facts.coupling_tolerance.unwrap_or(0.0),
+                        measured_error: reduced.asymmetry,
+                    },
+                }),
                 moved_pairs: run.joint.moved_pairs,
                 raised: run.joint.raised,
                 error_bar: run.estimated_error.clone().unwrap_or_else(|| ErrorBar::of(&run.scene)),
@@ -393,7 +431,7 @@ impl Summary {
                 .iter()
                 .map(|&frequency_hz| ModeSummary { frequency_hz })
                 .collect(),
-            backbone: backbone(run.first(), &run.scene),
+            backbone: backbone(run.first(), &run.scene, &run.parts),
             methods: methods(run.first(), &run.scene),
             backbones: match run.backbones.as_slice() {
                 [_] => Vec::new(),
@@ -571,7 +609,7 @@ fn mode_backbone(of: &ModeBackbone, run: &Run) -> ModeBackboneSummary {
     ModeBackboneSummary {
         mode: of.mode,
         frequency_hz: run.frequencies[of.mode - 1],
-        backbone: backbone(of, &run.scene),
+        backbone: backbone(of, &run.scene, &run.parts),
         methods: methods(of, &run.scene),
         validity: of.validity.clone(),
     }
@@ -635,13 +673,15 @@ fn periodic(point: &Point, response_displacement: Option<f64>, scene: &Scene) ->
     }
 }
 
-fn backbone(of: &ModeBackbone, scene: &Scene) -> Vec<BackboneSummary> {
+fn backbone(of: &ModeBackbone, scene: &Scene, parts: &[PartReport]) -> Vec<BackboneSummary> {
     let holds = of.validity.separation_modal_force.unwrap_or(f64::INFINITY);
-    of.amplitudes.iter().map(|a| backbone_point(a, scene, holds)).collect()
+    (of.amplitudes.iter())
+        .map(|amplitude| backbone_point(amplitude, scene, parts, holds))
+        .collect()
 }
 
 /// `holds` is the modal force up to which bolts can hold the structure together.
-fn backbone_point(amplitude: &AmplitudeResult, scene: &Scene, holds: f64) -> BackboneSummary {
+fn backbone_point(amplitude: &AmplitudeResult, scene: &Scene, parts: &[PartReport], holds: f64) -> BackboneSummary {
     let point = &amplitude.point;
     let result = point.result.as_ref().ok();
     let fields = amplitude.fields.as_ref();
@@ -673,6 +713,16 @@ fn backbone_point(amplitude: &AmplitudeResult, scene: &Scene, holds: f64) -> Bac
         response_motion: fields.map(|f| f.response_motion),
         slip_fraction: fields.map(|f| f.slip_fraction),
         open_fraction: fields.map(|f| f.open_fraction),
+        joints: fields.map_or_else(Vec::new, |fields| {
+            let of_joint = |(part, joint): (&PartReport, &JointLoop)| JointSummary {
+                name: part.name.clone(),
+                slip_fraction: joint.slip_fraction,
+                contact_area_fraction: 1.0 - joint.open_fraction,
+                dissipation: joint.dissipation,
+                dissipation_share: (fields.dissipation > 0.0).then(|| joint.dissipation / fields.dissipation),
+            };
+            parts.iter().zip(&fields.joints).map(of_joint).collect()
+        }),
         load_points: point.effort.solves,
         iterations: point.effort.iterations,
         evaluations: point.effort.evaluations,

@@ -14,6 +14,7 @@ mod friction;
 mod full_size;
 mod independent_epmc;
 mod limits;
+mod many_joints;
 mod matrices;
 mod meshes;
 mod methods;

@@ -322,7 +322,7 @@ fn a_joint_that_is_nearly_its_own_mirror_image_is_solved_by_reflected_parts_and_
         let across = &reflections[1];
         let nd = reduced.n_relative;
         let any = |i: usize| (1.0 + i as f64).sin();
-        let even: Vec<f64> = (0..k.nrows())
+        let even: Vec<f64> = (0..k.size())
             .map(|i| match i < nd {
                 true => {
                     let (image, sign) = across.image(i);
@@ -340,7 +340,7 @@ fn a_joint_that_is_nearly_its_own_mirror_image_is_solved_by_reflected_parts_and_
         assert_eq!(stays, is_reflected);
         assert!(is_reflected || line.preconditioner_tangent() == line.stuck_tangent());
         // It is exact for the tangent that it names.
-        let elastic = k * Mat::from_fn(found.len(), 1, |i, _| found[i]);
+        let elastic = k.product(Mat::from_fn(found.len(), 1, |i, _| found[i]).as_ref());
         let mut back: Vec<f64> = elastic.col(0).iter().copied().collect();
         let pattern = force.pattern();
         pattern.add_product(line.preconditioner_tangent(), &found, &mut back);

@@ -1,10 +1,11 @@
 //! Ordering, factorisation and condensation of sparse matrices against dense ones.
 
-use dense_algebra::{Limits, cholesky, product, solve_lower, solve_lower_transposed};
+use dense_algebra::{Limits, SystemMatrix, cholesky, product, solve_lower, solve_lower_transposed};
 use faer::{Mat, MatRef};
 use finite_elements::Error;
 use finite_elements::eigen::lowest_modes_within;
 use finite_elements::factor::{BLOCK, SparseCholesky};
+use finite_elements::groups::Groups;
 use finite_elements::ordering::nested_dissection;
 use sprs::{CsMat, TriMat};
 use std::collections::BTreeSet;
@@ -202,9 +203,16 @@ fn condensation_is_the_dense_one() {
     {
         let n = stiffness.rows();
         for n_kept in [0, 1, 50, n] {
-            let (factor, condensed) =
-                SparseCholesky::condense(&stiffness, &mass, &positions, n_kept, &[], "test", Limits::default())
-                    .unwrap();
+            let (factor, condensed) = SparseCholesky::condense(
+                &stiffness,
+                &mass,
+                &positions,
+                &Groups::one(n_kept),
+                &[],
+                "test",
+                Limits::default(),
+            )
+            .unwrap();
             let (k, m) = (dense(&stiffness), dense(&mass));
             let n_rest = n - n_kept;
             let lower = cholesky(k.submatrix(n_kept, n_kept, n_rest, n_rest)).unwrap();
@@ -216,6 +224,7 @@ fn condensation_is_the_dense_one() {
                 false => -x[(i - n_kept, j)],
             });
             for (full, small) in [(&k, &condensed.stiffness), (&m, &condensed.mass)] {
+                let small = &small.as_ref().to_dense();
                 assert_eq!((small.nrows(), small.ncols()), (n_kept, n_kept));
                 assert_eq!(small, &small.transpose().to_owned(), "exactly symmetric");
                 let expected = product(basis.transpose(), product(full.as_ref(), basis.as_ref()).as_ref());
@@ -234,14 +243,94 @@ fn condensation_is_the_dense_one() {
     }
 }
 
+/// A long block of solids and the rows of three cross-sections of it, which come first in its matrices: what three joints are to a structure.
+fn with_sections_first(seed: usize, sections: [usize; 3]) -> (CsMat<f64>, Vec<[f64; 3]>, Vec<usize>) {
+    let (matrix, positions) = block([40, 3, 3], seed);
+    let is_in = |at: usize, x: f64| (x - at as f64).abs() < 0.5;
+    let mut order: Vec<usize> = Vec::new();
+    let mut sizes = Vec::new();
+    for at in sections {
+        let own: Vec<usize> = (0..positions.len())
+            .filter(|&row| is_in(at, positions[row][0]))
+            .collect();
+        sizes.push(own.len());
+        order.extend(own);
+    }
+    let kept = order.len();
+    let rest: Vec<usize> = (0..positions.len())
+        .filter(|row| !order[..kept].contains(row))
+        .collect();
+    order.extend(rest);
+    let mut place = vec![0; order.len()];
+    order.iter().enumerate().for_each(|(at, &row)| place[row] = at);
+    let mut moved = sprs::TriMat::new(matrix.shape());
+    for (value, (i, j)) in &matrix {
+        moved.add_triplet(place[i], place[j], *value);
+    }
+    (moved.to_csr(), order.iter().map(|&row| positions[row]).collect(), sizes)
+}
+
+#[test]
+fn groups_of_kept_rows_are_blocks_whose_coupling_is_as_near_as_it_is_asked_to_be() {
+    let ((stiffness, positions, sizes), (mass, ..)) =
+        (with_sections_first(3, [8, 19, 31]), with_sections_first(8, [8, 19, 31]));
+    let condense = |kept: &Groups| {
+        let (_, found) =
+            SparseCholesky::condense(&stiffness, &mass, &positions, kept, &[], "test", Limits::default()).unwrap();
+        [found.stiffness, found.mass]
+    };
+    let dense = condense(&Groups::one(sizes.iter().sum()));
+    let mut last = f64::INFINITY;
+    for tolerance in [1e-1_f64, 1e-2, 1e-3, 1e-4, 1e-12] {
+        let found = condense(&Groups::new(&sizes, tolerance, [&stiffness, &mass]));
+        let mut worst = 0.0_f64;
+        for (found, dense) in found.iter().zip(&dense) {
+            let SystemMatrix::Blocks(blocks) = found else {
+                panic!("three groups are three blocks");
+            };
+            assert_eq!(blocks.local().len(), 3);
+            worst = worst.max(difference(
+                blocks.to_dense().as_ref(),
+                dense.as_ref().to_dense().as_ref(),
+            ));
+        }
+        assert!(worst <= 2.0 * tolerance.max(1e-12), "{tolerance:e}: {worst:e}");
+        assert!(worst <= last, "{tolerance:e}: {worst:e} {last:e}");
+        last = worst;
+    }
+    // Neighbours that matrices couple are one group: all three here.
+    let touching = with_sections_first(3, [8, 9, 10]);
+    let one = Groups::new(&touching.2, 1e-3, [&touching.0, &touching.0]);
+    assert_eq!(
+        one,
+        Groups::new(&[touching.2.iter().sum()], 1e-3, [&touching.0, &touching.0])
+    );
+    // Threads change no bit.
+    let groups = Groups::new(&sizes, 1e-3, [&stiffness, &mass]);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| condense(&groups))
+    };
+    let one = with(1);
+    assert!(one == with(2) && one == with(5));
+}
+
 #[test]
 fn the_number_of_threads_changes_no_bit() {
     let ((stiffness, positions), (mass, _)) = (block([20, 6, 5], 3), block([20, 6, 5], 8));
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let (factor, condensed) =
-                SparseCholesky::condense(&stiffness, &mass, &positions, 60, &[], "test", Limits::default()).unwrap();
+            let (factor, condensed) = SparseCholesky::condense(
+                &stiffness,
+                &mass,
+                &positions,
+                &Groups::one(60),
+                &[],
+                "test",
+                Limits::default(),
+            )
+            .unwrap();
             let mut x = Mat::from_fn(positions.len() - 60, 3 * BLOCK, |i, j| ((i + 3 * j) % 13) as f64);
             factor.solve_in_place(x.as_mut());
             (condensed.stiffness, condensed.mass, x)
@@ -254,8 +343,9 @@ fn the_number_of_threads_changes_no_bit() {
 #[test]
 fn work_beyond_its_limits_is_refused_before_it_is_done() {
     let ((stiffness, positions), (mass, _)) = (block([20, 6, 5], 3), block([20, 6, 5], 8));
-    let condense =
-        |limits: Limits<'_>| SparseCholesky::condense(&stiffness, &mass, &positions, 60, &[], "test", limits);
+    let condense = |limits: Limits<'_>| {
+        SparseCholesky::condense(&stiffness, &mass, &positions, &Groups::one(60), &[], "test", limits)
+    };
     let Err(Error::Memory { needed, limit: 1, .. }) = condense(Limits::default().within(Some(1))) else {
         panic!("one byte is not enough");
     };

@@ -49,7 +49,7 @@ const N_CHECKED: usize = 10;
 /// Coordinates across several interfaces up to which the reduced matrices are dense unless a scene says otherwise, and what may be left out of the coupling
 /// of larger ones.
 const LARGEST_DENSE: usize = 3000;
-const COUPLING_TOLERANCE: f64 = 1e-9;
+const COUPLING_TOLERANCE: f64 = 1e-7;
 
 /// Zero-energy modes of the half of a free structure with the interface stuck: along x and z, and about y.
 const HALF_ZERO_ENERGY_MODES: usize = 3;

@@ -109,7 +109,13 @@ impl Structure {
     fn refuse_too_large(&self, memory: Option<u64>) -> Result<(), Error> {
         let coordinates = 3 * self.joint.interface.nodes.len() + self.settings.n_modes;
         let entries: u64 = match (&self.joint.bodies, self.settings.coupling_tolerance) {
-            (Bodies::Meshed(MeshedBodies { sides: Sides::Projected(parts), .. }), Some(_)) => {
+            (
+                Bodies::Meshed(MeshedBodies {
+                    sides: Sides::Projected(parts),
+                    ..
+                }),
+                Some(_),
+            ) => {
                 let core = EXPECTED_RANK * parts.len() + self.settings.n_modes;
                 let sizes = parts.iter().map(|part| 3 * part.own.len()).chain([core]);
                 sizes.map(|size| (size as u64).pow(2)).sum()
@@ -277,6 +283,7 @@ impl Structure {
             unstressed_frequencies_hz: unstressed,
             penalty_frequencies_hz: full,
             penalty_error: error,
+            coupling_tolerance: self.settings.coupling_tolerance,
         })
     }
 

@@ -23,6 +23,9 @@ pub struct Facts {
     pub penalty_frequencies_hz: Vec<f64>,
     /// Largest relative difference of the reduced model's frequencies to these.
     pub penalty_error: f64,
+    /// What may be left out of the coupling between interfaces, relative to the largest; none of dense matrices.
+    #[serde(default)]
+    pub coupling_tolerance: Option<f64>,
 }
 
 /// A reduced structure.

@@ -2,9 +2,10 @@
 
 use super::destination::write_new;
 use crate::text::print;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
+use bolted_structures::Chain;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of `new`.
 #[derive(clap::Args)]
@@ -12,9 +13,12 @@ pub struct Arguments {
     /// Folder for the files, made if missing.
     directory: PathBuf,
     /// A bolted structure to start from, with a script that makes its mesh by Gmsh: half-brake-reuss-beam, lap-joint (two plates), ring (two
-    /// flanges), s4 (two C-shaped beams).
+    /// flanges), s4 (two C-shaped beams); or with its mesh: chain-of-laps (bars in a row).
     #[arg(long, value_name = "NAME")]
     benchmark: Option<String>,
+    /// Joints of a chain-of-laps, 1 to 200 [default: 4]
+    #[arg(long, value_name = "N", requires = "benchmark", value_parser = clap::value_parser!(u16).range(1..=200))]
+    joints: Option<u16>,
 }
 
 /// What all mesh scripts use.
@@ -48,6 +52,9 @@ const TEMPLATES: [Template; 4] = [
     template!("s4"),
 ];
 
+/// The structure whose mesh is made here.
+const CHAIN: &str = "chain-of-laps";
+
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let directory = &arguments.directory;
@@ -58,12 +65,35 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
             directory.display()
         ));
     };
+    if name == CHAIN {
+        let default = Chain::default();
+        let chain = Chain {
+            joints: arguments.joints.map_or(default.joints, usize::from),
+            ..default
+        };
+        let scene = format!("{:#}\n", chain.scene("chain.msh"));
+        let mesh = chain.mesh().context("making the mesh")?;
+        let readme = include_str!("chain-of-laps/README.md");
+        let files = [
+            ("README.md", readme.as_bytes()),
+            ("scene.json", scene.as_bytes()),
+            ("chain.msh", mesh.as_bytes()),
+        ];
+        return write_all(directory, &files);
+    }
+    if arguments.joints.is_some() {
+        bail!("`{name}` has the joints that it has; --joints is for {CHAIN}");
+    }
     let Some(template) = TEMPLATES.iter().find(|template| template.name == *name) else {
         let known = TEMPLATES.map(|template| template.name).join(", ");
-        bail!("there is no structure `{name}` to start from; there are {known}");
+        bail!("there is no structure `{name}` to start from; there are {known}, {CHAIN}");
     };
-    let files = template.files.map(|(name, text)| (name, text.as_bytes()));
-    write_new(directory, &files)?;
+    write_all(directory, &template.files.map(|(name, text)| (name, text.as_bytes())))
+}
+
+/// Writes the files of a structure, and says so.
+fn write_all(directory: &Path, files: &[(&str, &[u8])]) -> Result<()> {
+    write_new(directory, files)?;
     let mut text = format!("written to {}:", directory.display());
     for (name, _) in files {
         write!(text, " {name}")?;

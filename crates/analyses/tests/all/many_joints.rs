@@ -1,0 +1,242 @@
+//! Structures of several joints: reduced matrices in blocks against dense ones, and what each joint does.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+use crate::common::BENCHMARKS;
+use analyses::results::summary::Summary;
+use analyses::{Error, Run, run};
+use bolted_structures::Chain;
+use dense_algebra::SystemMatrix;
+use joints::Options;
+use joints::progress::Silent;
+use scenes::Scene;
+use serde_json::{Value, json};
+use test_support::TemporaryFolder;
+
+/// A short chain with few linear elements, and a change of its scene.
+fn chain(folder: &TemporaryFolder, joints: usize, change: impl Fn(&mut Value)) -> Scene {
+    let chain = Chain {
+        joints,
+        along: 8,
+        across: 4,
+    };
+    let path = folder.join("chain.msh");
+    std::fs::write(&path, chain.mesh().unwrap()).unwrap();
+    let mut value = chain.scene("chain.msh");
+    value["model"]["element_order"] = json!("linear");
+    value["model"]["coupling_tolerance"] = json!(0.0);
+    value["interfaces"]["points_per_direction"] = json!(2);
+    value["analyses"]["backbone"]["amplitudes"] = json!(3);
+    // Wide rings, as elements are larger than washers.
+    for bolt in value["structure"]["mesh"]["bolts"].as_array_mut().unwrap() {
+        bolt["size"] = json!("M12");
+    }
+    change(&mut value);
+    value["structure"]["mesh"]["path"] = json!(path);
+    Scene::from_json(&value.to_string(), "the test's scene", "chain", &BENCHMARKS).unwrap()
+}
+
+fn found(scene: &Scene) -> Run {
+    run(scene, &Options::default(), &Silent).unwrap()
+}
+
+/// Numbers of a document whose names end like this, in order.
+fn numbers(value: &Value, ending: &str) -> Vec<f64> {
+    let below = |name: &str, value: &Value| -> Vec<f64> {
+        match value {
+            Value::Number(number) if name.ends_with(ending) => number.as_f64().into_iter().collect(),
+            Value::Array(list) if name.ends_with(ending) => list.iter().filter_map(Value::as_f64).collect(),
+            other => numbers(other, ending),
+        }
+    };
+    match value {
+        Value::Object(fields) => fields.iter().flat_map(|(name, value)| below(name, value)).collect(),
+        Value::Array(list) => list.iter().flat_map(|value| numbers(value, ending)).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// Compares what a scene gives with dense matrices and with blocks of this tolerance: largest relative differences of frequencies, damping ratios and
+/// dissipations, of which there are at least as many.
+fn differences(dense: &Value, blocks: &Value, place: &str, endings: [&str; 2]) -> [f64; 2] {
+    endings.map(|ending| {
+        let (a, b) = (numbers(&dense[place], ending), numbers(&blocks[place], ending));
+        assert!(
+            !a.is_empty() && a.len() == b.len(),
+            "{place}: {} and {}",
+            a.len(),
+            b.len()
+        );
+        let pairs = a.iter().zip(&b).filter(|(a, _)| **a != 0.0);
+        pairs.map(|(a, b)| (b / a - 1.0).abs()).fold(0.0, f64::max)
+    })
+}
+
+fn summary(run: &Run) -> Value {
+    serde_json::to_value(Summary::new(run, Default::default(), None)).unwrap()
+}
+
+#[test]
+fn blocks_give_what_dense_matrices_give_the_nearer_the_smaller_their_tolerance() {
+    let folder = TemporaryFolder::new("many-joints");
+    for (joints, behaviour) in [(2, "dead-load"), (4, "locked")] {
+        let with = |tolerance: f64| {
+            let scene = chain(&folder, joints, |value| {
+                value["model"]["coupling_tolerance"] = json!(tolerance);
+                value["bolts"]["behaviour"] = json!(behaviour);
+            });
+            found(&scene)
+        };
+        let dense = with(0.0);
+        assert!(matches!(dense.model.reduced.stiffness, SystemMatrix::Dense(_)));
+        let dense = summary(&dense);
+        assert_eq!(dense["model"]["flexibility"]["form"], "dense");
+        let (mut last_rank, mut last_error) = (0, f64::INFINITY);
+        // Bounds of frequencies and of damping.
+        for (tolerance, bounds) in [(1e-6, [1e-6, 1e-5]), (1e-8, [1e-8, 1e-6]), (1e-10, [1e-10, 1e-7])] {
+            let blocks = with(tolerance);
+            let SystemMatrix::Blocks(stiffness) = &blocks.model.reduced.stiffness else {
+                panic!("several interfaces are blocks");
+            };
+            assert_eq!(stiffness.local().len(), joints);
+            let blocks = summary(&blocks);
+            let flexibility = &blocks["model"]["flexibility"];
+            let rank = flexibility["rank"].as_u64().unwrap();
+            assert_eq!(
+                (&flexibility["form"], &flexibility["tolerance"]),
+                (&json!("blocks"), &json!(tolerance))
+            );
+            let measured = flexibility["measured_error"].as_f64().unwrap();
+            assert!(
+                rank > last_rank && measured < last_error.max(1e-13),
+                "{rank} {measured:e}"
+            );
+            (last_rank, last_error) = (rank, measured);
+            for place in ["modes", "backbone"] {
+                let found = differences(&dense, &blocks, place, ["frequency_hz", "frequency_hz"])[0];
+                println!("{joints} {behaviour} {tolerance:e} {place}: {found:.1e}, rank {rank}");
+                assert!(found < bounds[0], "{place}: {found:e}");
+            }
+            let [damping, dissipation] = differences(&dense, &blocks, "backbone", ["damping_ratio", "dissipation"]);
+            println!("{joints} {behaviour} {tolerance:e}: damping {damping:.1e}, dissipation {dissipation:.1e}");
+            assert!(
+                damping < bounds[1] && dissipation < bounds[1],
+                "{damping:e} {dissipation:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn other_analyses_run_on_blocks_too() {
+    let folder = TemporaryFolder::new("many-joints-analyses");
+    let with = |tolerance: f64| {
+        let scene = chain(&folder, 2, |value| {
+            value["model"]["coupling_tolerance"] = json!(tolerance);
+            let analyses = &mut value["analyses"];
+            analyses["epmc"] = json!({ "harmonics": 3, "modal_amplitudes": { "number": 2, "from": 1e-5, "to": 1e-4 } });
+            analyses["ring_down"] = json!({ "release": "50 um", "periods": 6, "steps_per_period": 40 });
+            analyses["tightening"] = json!({ "order": [1, 2, 3, 4], "passes": [1.0] });
+        });
+        summary(&found(&scene))
+    };
+    let (dense, blocks) = (with(0.0), with(1e-7));
+    for (place, endings, bound) in [
+        // Periodic motions are converged to an accuracy of their own.
+        ("methods", ["frequency_hz", "dissipation"], 1e-4),
+        // As long as a lap has no tension, where it lies is found to the accuracy of the solver alone: a smaller tolerance changes nothing.
+        ("tightening", ["tensions", "external_work"], 5e-4),
+        ("ring_down", ["frequency_hz", "damping_ratio"], 1e-4),
+    ] {
+        let found = differences(&dense, &blocks, place, endings);
+        println!("{place}: {found:.1?}");
+        assert!(found.iter().all(|error| *error < bound), "{place}: {found:?}");
+    }
+}
+
+#[test]
+fn each_joint_tells_what_it_does_and_the_loose_one_dissipates() {
+    let folder = TemporaryFolder::new("many-joints-apart");
+    let scene = chain(&folder, 4, |value| {
+        value["model"]["coupling_tolerance"] = json!(1e-7);
+        // The second lap is held by a hundredth of the force.
+        value["bolts"] = json!({ "loads": ["12 kN", "12 kN", "120 N", "120 N", "12 kN", "12 kN", "12 kN", "12 kN"] });
+        value["analyses"]["backbone"]["amplitude_to"] = json!("200 um");
+    });
+    let run = found(&scene);
+    let summary = summary(&run);
+    let amplitude = summary["backbone"].as_array().unwrap().last().unwrap();
+    let joints = amplitude["joints"].as_array().unwrap();
+    let names: Vec<_> = joints.iter().map(|joint| joint["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["lap 1", "lap 2", "lap 3", "lap 4"]);
+    let of = |field: &str| -> Vec<f64> { joints.iter().map(|joint| joint[field].as_f64().unwrap()).collect() };
+    let (shares, slip, contact) = (
+        of("dissipation_share"),
+        of("slip_fraction"),
+        of("contact_area_fraction"),
+    );
+    println!("{shares:?} {slip:?} {contact:?}");
+    assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    assert!(shares[1] > 0.5 && slip[1] > slip[0].max(slip[2]).max(slip[3]));
+    assert!(contact.iter().all(|share| (0.0..=1.0).contains(share)));
+    let all = of("dissipation").iter().sum::<f64>();
+    assert!((all / amplitude["dissipation"].as_f64().unwrap() - 1.0).abs() < 1e-12);
+    // Open areas of the joints are that of the whole.
+    let open: f64 = contact.iter().map(|share| 0.25 * (1.0 - share)).sum();
+    assert!((open - amplitude["open_fraction"].as_f64().unwrap()).abs() < 1e-12);
+}
+
+#[test]
+fn threads_and_a_stored_model_change_no_bit() {
+    let folder = TemporaryFolder::new("many-joints-bits");
+    let scene = chain(&folder, 3, |value| value["model"]["coupling_tolerance"] = json!(1e-6));
+    let options = Options {
+        cache: Some(folder.join("cache")),
+        ..Options::default()
+    };
+    let with = |threads: usize, options: &Options| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let found = pool.install(|| run(&scene, options, &Silent)).unwrap();
+        let points = found.amplitudes().iter().map(|amplitude| {
+            let result = amplitude.point.result.as_ref().unwrap();
+            [result.omega.to_bits(), result.zeta.to_bits()]
+        });
+        (
+            points.collect::<Vec<_>>(),
+            found.model.reduced.stiffness,
+            found.model.reduced.mass,
+        )
+    };
+    let one = with(1, &options);
+    assert!(one == with(2, &options), "from the cache");
+    assert!(one == with(3, &Options::default()));
+}
+
+#[test]
+fn what_blocks_cannot_do_is_refused_by_name() {
+    let folder = TemporaryFolder::new("many-joints-refused");
+    let scene = chain(&folder, 2, |value| {
+        value["model"]["coupling_tolerance"] = json!(1e-7);
+        value["analyses"]["sensitivities"] = json!(["interfaces.mu"]);
+    });
+    let error = run(&scene, &Options::default(), &Silent).unwrap_err();
+    assert!(matches!(error, Error::Derivatives { .. }));
+    assert!(error.to_string().contains("model.coupling_tolerance"), "{error}");
+    // A structure of one interface has nothing to couple.
+    let value = json!({
+        "units": { "length": "mm", "mass": "t", "time": "s" },
+        "structure": { "benchmark": "brake-reuss-beam" },
+        "model": { "coupling_tolerance": 1e-7 },
+    });
+    let error = Scene::from_json(&value.to_string(), "the test's scene", "beam", &BENCHMARKS).unwrap_err();
+    assert!(error.to_string().contains("coupling_tolerance"), "{error}");
+    let value = chain_with(&folder, 0.1);
+    let error = Scene::from_json(&value.to_string(), "the test's scene", "chain", &BENCHMARKS).unwrap_err();
+    assert!(error.to_string().contains("between 0"), "{error}");
+}
+
+fn chain_with(folder: &TemporaryFolder, tolerance: f64) -> Value {
+    let mut value = Chain::default().scene("chain.msh");
+    value["structure"]["mesh"]["path"] = json!(folder.join("chain.msh"));
+    value["model"]["coupling_tolerance"] = json!(tolerance);
+    value
+}
