@@ -68,6 +68,13 @@ impl BlockMatrix {
         self.bases.iter().map(|basis| basis.nrows()).sum::<usize>() + self.rest.len()
     }
 
+    /// Whether a product with its inverse takes fewer numbers than one with a dense inverse, both symmetric.
+    pub fn is_smaller_than_dense(&self) -> bool {
+        let square = |n: usize| n * n;
+        let blocks: usize = self.local.iter().map(|block| square(block.nrows())).sum();
+        blocks / 2 + square(self.core.nrows()) < square(self.size()) / 2
+    }
+
     /// The bases, which matrices of one structure share.
     pub fn bases(&self) -> &Arc<Vec<Mat<f64>>> {
         &self.bases
@@ -110,16 +117,17 @@ impl BlockMatrix {
         Self::new(self.bases.clone(), self.local.clone(), rest, seen)
     }
 
-    /// The bases with more columns, so that their space contains those of `columns` over all coordinates, but for what is below `least` of a column in a group.
+    /// The bases with more columns, so that their space contains those of `columns` over all coordinates, but for what is below `least` of a whole column.
     ///
     /// # Panics
     /// If the shapes do not fit.
     pub fn extended_bases(&self, columns: MatRef<'_, f64>, least: f64) -> Arc<Vec<Mat<f64>>> {
+        let least: Vec<f64> = columns.col_iter().map(|column| least * column.norm_l2()).collect();
         let mut at = 0;
         let extended = self.bases.iter().map(|basis| {
             let own = columns.subrows(at, basis.nrows());
             at += basis.nrows();
-            extended_basis(basis, own, least)
+            extended_basis(basis, own, &least)
         });
         Arc::new(extended.collect())
     }
@@ -445,7 +453,7 @@ pub fn leading_basis(mut columns: Mat<f64>, least: f64) -> Mat<f64> {
             break;
         }
         let mut direction = columns.col_as_slice(pivot).to_vec();
-        if !put_beside(&mut direction, &basis, DEPENDENT) {
+        if !put_beside(&mut direction, &basis, 0.0) {
             squares[pivot] = 0.0;
             continue;
         }
@@ -460,22 +468,22 @@ pub fn leading_basis(mut columns: Mat<f64>, least: f64) -> Mat<f64> {
     Mat::from_fn(size, basis.len(), |i, j| basis[j][i])
 }
 
-/// An orthonormal basis that begins with that of `basis` and also has the space of `more`, but for what is below `least` of a column.
-fn extended_basis(basis: &Mat<f64>, more: MatRef<'_, f64>, least: f64) -> Mat<f64> {
+/// An orthonormal basis that begins with that of `basis` and also has the space of `more`, but for what is not longer than `least` of each column.
+fn extended_basis(basis: &Mat<f64>, more: MatRef<'_, f64>, least: &[f64]) -> Mat<f64> {
     let mut columns: Vec<Vec<f64>> = basis
         .col_iter()
         .map(|column| column.iter().copied().collect())
         .collect();
-    for column in more.col_iter() {
+    for (column, least) in more.col_iter().zip(least) {
         let mut direction: Vec<f64> = column.iter().copied().collect();
-        if columns.len() < basis.nrows() && put_beside(&mut direction, &columns, least) {
+        if columns.len() < basis.nrows() && put_beside(&mut direction, &columns, *least) {
             columns.push(direction);
         }
     }
     Mat::from_fn(basis.nrows(), columns.len(), |i, j| columns[j][i])
 }
 
-/// Makes a direction orthogonal to those of a basis and of unit length; false if no more than `least` of it is left.
+/// Makes a direction orthogonal to those of a basis and of unit length; false if what is left is no longer than `least`, or round-off.
 fn put_beside(direction: &mut [f64], basis: &[Vec<f64>], least: f64) -> bool {
     let given = dot(direction, direction).sqrt();
     for _ in 0..2 {
@@ -485,7 +493,7 @@ fn put_beside(direction: &mut [f64], basis: &[Vec<f64>], least: f64) -> bool {
     }
     let left = dot(direction, direction).sqrt();
     // Also false for NaN.
-    let is_new = left > least * given;
+    let is_new = left > least.max(DEPENDENT * given);
     if is_new {
         direction.iter_mut().for_each(|v| *v /= left);
     }

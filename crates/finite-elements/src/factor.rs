@@ -434,11 +434,7 @@ impl Elimination {
 
     /// Refuses more work than there is memory for, with `beside` for what is needed at the same time (bytes).
     fn refuse_too_large(&self, beside: u64, matrix: &'static str, limits: Limits<'_>) -> Result<(), Error> {
-        let needed = self.memory() + beside;
-        match limits.memory() {
-            Some(limit) if needed > limit => Err(Error::Memory { matrix, needed, limit }),
-            _ => Ok(()),
-        }
+        refuse_beyond(self.memory() + beside, matrix, limits)
     }
 
     /// Memory that it takes at its peak (bytes), where parts are eliminated one after the other: fronts in work, what waits for their parents,
@@ -519,6 +515,12 @@ impl Elimination {
         if let Some(grouping) = &self.grouping {
             grouping.replace(number, &mut beyond, children.iter().flat_map(|child| &child.beyond));
         }
+        if self.grouping.is_some() {
+            // Joints may see more of one another than was expected.
+            let (own, below) = (rows.len(), beyond.len());
+            let needed = (size_of::<f64>() * self.matrices.len() * (own + below) * (own + below)) as u64;
+            refuse_beyond(needed, name, limits)?;
+        }
         let n = self.dissection.order.len();
         let Blocks {
             own,
@@ -558,7 +560,11 @@ impl Elimination {
         let below = below.subrows(0, n_beyond);
         fronts.push(Front::panels(rows.start, lower, &beyond[..n_beyond], below));
         if let Some(grouping) = &self.grouping {
-            grouping.complete(number, &mut beyond, &mut matrices, &mut done);
+            let n_branches = children
+                .iter()
+                .filter(|child| grouping.carries(child.beyond.last()))
+                .count();
+            grouping.complete(number, n_branches, &mut beyond, &mut matrices, &mut done);
         }
         let left = Update { beyond, matrices, done };
         Ok((fronts, left))
@@ -606,6 +612,14 @@ impl Elimination {
             }
         }
         Blocks { own, below, update }
+    }
+}
+
+/// Refuses what needs more memory than there is (bytes).
+fn refuse_beyond(needed: u64, matrix: &'static str, limits: Limits<'_>) -> Result<(), Error> {
+    match limits.memory() {
+        Some(limit) if needed > limit => Err(Error::Memory { matrix, needed, limit }),
+        _ => Ok(()),
     }
 }
 

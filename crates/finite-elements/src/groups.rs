@@ -5,13 +5,16 @@
 //! `B X B^T` to the group, or `B X B_h^T` to it and another one: `B^T` times the rows is carried on in the place of the group.
 
 use crate::ordering::Dissection;
-use dense_algebra::{BlockMatrix, SystemMatrix, leading_basis, product};
+use dense_algebra::{BlockMatrix, SystemMatrix, leading_basis, product, symmetric};
 use faer::Mat;
 use sprs::CsMat;
 use std::sync::Arc;
 
 /// Combinations of a group that are expected to be carried on, for an estimate of memory.
 const EXPECTED_RANK: usize = 128;
+
+/// Combinations of a group that are carried on without another look at whether fewer would do.
+const FEW: usize = 64;
 
 /// Rows that are kept to the end of an elimination, the first ones of a matrix.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,6 +107,8 @@ pub(crate) struct Grouping {
 /// A group of which combinations are carried on.
 pub(crate) struct Completed {
     group: usize,
+    /// Position that stands for the first of them.
+    first: usize,
     /// Its rows that something touches.
     rows: Vec<usize>,
     /// A column per combination.
@@ -173,6 +178,11 @@ impl Grouping {
         position >= self.combination(0, 0)
     }
 
+    /// Whether the last position of an update is a combination, if it has any.
+    pub(crate) fn carries(&self, last: Option<&usize>) -> bool {
+        last.is_some_and(|&position| self.is_combination(position))
+    }
+
     /// Rows and combinations that a part leaves something on, where `beyond` are the rows.
     pub(crate) fn expected(&self, part: usize, beyond: &[usize]) -> usize {
         let kept = beyond.partition_point(|&position| position < self.first);
@@ -196,19 +206,31 @@ impl Grouping {
         beyond.sort_unstable();
     }
 
-    /// Carries combinations alone on of groups that nothing after this part touches; `matrices` are lower triangles over the positions `beyond`.
+    /// Carries combinations alone on of groups that nothing after this part touches, and fewer of those carried on already, where branches have met and at
+    /// the last part: what lay between two groups is eliminated then. `matrices` are lower triangles over the positions `beyond`.
     pub(crate) fn complete(
         &self,
         part: usize,
+        n_branches: usize,
         beyond: &mut Vec<usize>,
         matrices: &mut [Mat<f64>],
         done: &mut Vec<Completed>,
     ) {
+        let is_last = beyond.iter().all(|&position| position >= self.first);
         let mut index = 0;
-        for group in (0..self.complete.len()).filter(|&group| self.complete[group] == part) {
-            let is_own = |position: usize| {
-                position >= self.first && !self.is_combination(position) && self.group(position) == group
+        for group in 0..self.complete.len() {
+            let known = done.iter().position(|completed| completed.group == group);
+            let is_own = |position: usize| match known.map(|at| &done[at]) {
+                None => position >= self.first && !self.is_combination(position) && self.group(position) == group,
+                Some(known) => (known.first..known.first + known.basis.ncols()).contains(&position),
             };
+            let is_due = match known {
+                None => self.complete[group] == part,
+                Some(at) => is_last || (n_branches > 1 && done[at].basis.ncols() > FEW),
+            };
+            if !is_due {
+                continue;
+            }
             let (own, others): (Vec<usize>, Vec<usize>) = (0..beyond.len()).partition(|&at| is_own(beyond[at]));
             let entry = |matrix: &Mat<f64>, i: usize, j: usize| matrix[(i.max(j), i.min(j))];
             let mut coupling = Mat::<f64>::zeros(own.len(), matrices.len() * others.len());
@@ -240,15 +262,26 @@ impl Grouping {
                 left.submatrix_mut(n, 0, rank, n).copy_from(across);
                 *matrix = left;
             }
-            done.push(Completed {
-                group,
-                rows: own
-                    .iter()
-                    .map(|&at| beyond[at] - self.first - self.starts[group])
-                    .collect(),
-                basis,
-                own: local,
-            });
+            let first = self.combination(part, index);
+            match known.map(|at| &mut done[at]) {
+                None => done.push(Completed {
+                    group,
+                    first,
+                    rows: (own.iter())
+                        .map(|&at| beyond[at] - self.first - self.starts[group])
+                        .collect(),
+                    basis,
+                    own: local,
+                }),
+                Some(known) => {
+                    for (sum, local) in known.own.iter_mut().zip(local) {
+                        let half = product(known.basis.as_ref(), local.as_ref());
+                        *sum += symmetric(product(half.as_ref(), known.basis.transpose()).as_ref());
+                    }
+                    known.basis = product(known.basis.as_ref(), basis.as_ref());
+                    known.first = first;
+                }
+            }
             *beyond = others.iter().map(|&at| beyond[at]).collect();
             beyond.extend((index..index + rank).map(|index| self.combination(part, index)));
             index += rank;
@@ -266,9 +299,9 @@ pub(crate) fn joined(
 ) -> [SystemMatrix; 2] {
     let n_groups = grouping.complete.len();
     let size = |group: usize| grouping.starts[group + 1] - grouping.starts[group];
-    // Columns of what is left, group by group. Groups were completed in the order of parts, which `done` has not where branches met.
+    // Columns of what is left, group by group.
     let mut order: Vec<usize> = (0..done.len()).collect();
-    order.sort_by_key(|&at| (grouping.complete[done[at].group], done[at].group));
+    order.sort_by_key(|&at| done[at].first);
     let mut columns = vec![0..0; n_groups];
     let mut column = 0;
     for &at in &order {

@@ -25,8 +25,8 @@ const N_COMPARED: usize = 8;
 /// Largest difference of a quantity that a model recovers from the same quantity of displacements, relative to the terms of its sum.
 const LARGEST_DEVIATION: f64 = 1e-6;
 
-/// What bases may leave out of what acts on the jump, relative to it.
-const SEEN: f64 = 1e-12;
+/// What bases may leave out of what acts on the jump, relative to it and to what they may leave out of the coupling of joints.
+const SEEN: f64 = 1e-2;
 
 /// Relative distance of eigenvalues whose modes are turned together.
 const EQUAL: f64 = 2e-4;
@@ -48,6 +48,8 @@ pub struct Settings {
     /// For a structure of several interfaces: what may be left out of the coupling between one and all others, relative to the largest. The matrices are
     /// then blocks of the interfaces, coupled through few combinations of each ([`dense_algebra::BlockMatrix`]). None for dense ones.
     pub coupling_tolerance: Option<f64>,
+    /// Whether blocks are made dense after all where they would take more numbers.
+    pub blocks_if_smaller: bool,
 }
 
 impl Default for Settings {
@@ -59,6 +61,7 @@ impl Default for Settings {
             mode_tolerance: 1e-6,
             attachment_modes: false,
             coupling_tolerance: None,
+            blocks_if_smaller: false,
         }
     }
 }
@@ -277,7 +280,7 @@ fn reduce_parts(
     let recovery = rows_of_whole(|part| &part.recovery, rows.len());
     let loads: Vec<Vec<f64>> = loads.row_iter().map(|load| load.iter().copied().collect()).collect();
     let (stiffness, mass) = match reduced.as_mut_slice() {
-        [part] if matches!(part.condensed.stiffness, SystemMatrix::Blocks(_)) => part.joined(&order, &loads),
+        [part] if matches!(part.condensed.stiffness, SystemMatrix::Blocks(_)) => part.joined(&order, &loads, settings),
         reduced => {
             let mut whole = |of: fn(&mut ReducedPart) -> &mut SystemMatrix| {
                 // Each is freed once it is part of the sum.
@@ -454,8 +457,9 @@ impl ReducedPart {
         })
     }
 
-    /// Stiffness and mass over all coordinates, of which modes come in this `order`, as blocks; `loads` are over the same coordinates.
-    fn joined(&self, order: &[(usize, usize)], loads: &[Vec<f64>]) -> (SystemMatrix, SystemMatrix) {
+    /// Stiffness and mass over all coordinates, of which modes come in this `order`, as blocks, if wanted only where these are smaller than dense matrices;
+    /// `loads` are over the same coordinates.
+    fn joined(&self, order: &[(usize, usize)], loads: &[Vec<f64>], settings: Settings) -> (SystemMatrix, SystemMatrix) {
         let over_jump = |matrix: &SystemMatrix| match matrix {
             SystemMatrix::Blocks(blocks) => blocks.clone(),
             SystemMatrix::Dense(matrix) => BlockMatrix::of_one(matrix.clone()),
@@ -471,7 +475,7 @@ impl ReducedPart {
                 (_, Some(load)) => loads[load][i],
             }
         });
-        let bases = stiffness.extended_bases(columns.as_ref(), SEEN);
+        let bases = stiffness.extended_bases(columns.as_ref(), SEEN * settings.coupling_tolerance.unwrap_or(0.0));
         let (stiffness, mass) = (stiffness.over_bases(&bases), mass.over_bases(&bases));
         let rank = mass.rank();
         let seen = mass.onto_core(columns.subcols(0, n_momenta + n_modes));
@@ -484,17 +488,19 @@ impl ReducedPart {
         };
         let stiff = with_modes(&stiffness, &|k| self.eigenvalues[order[k].1]);
         let mut heavy = with_modes(&mass, &|_| 1.0);
-        let lost = product(momentum, momentum.transpose());
+        let lost = dense_algebra::symmetric(product(momentum, momentum.transpose()).as_ref());
         let own = heavy.submatrix(0, 0, rank, rank) - lost;
         heavy.submatrix_mut(0, 0, rank, rank).copy_from(own);
         heavy.submatrix_mut(0, rank, rank, n_modes).copy_from(coupling);
         heavy
             .submatrix_mut(rank, 0, n_modes, rank)
             .copy_from(coupling.transpose());
-        (
-            SystemMatrix::Blocks(stiffness.with_seen(stiff)),
-            SystemMatrix::Blocks(mass.with_seen(heavy)),
-        )
+        // Joints that lie so near that their coupling has nearly full rank are better off dense.
+        let matrix = |blocks: BlockMatrix| match blocks.is_smaller_than_dense() {
+            false if settings.blocks_if_smaller => SystemMatrix::Dense(blocks.to_dense()),
+            _ => SystemMatrix::Blocks(blocks),
+        };
+        (matrix(stiffness.with_seen(stiff)), matrix(mass.with_seen(heavy)))
     }
 }
 

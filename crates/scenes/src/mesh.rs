@@ -71,7 +71,7 @@ pub struct MeshInterface {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MeshBolt {
-    /// Two points on the axis of the shank, that of the head first. The bolt clamps what the axis meets first and last.
+    /// Two points on the axis of the shank, that of the head first. The bolt clamps what the axis meets between them, and beyond them what lies on that without a gap.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axis: Option<[[Length; 3]; 2]>,
     /// Its thread with an axis, such as `"M10"` or `"M10x1.25"`: sizes of head, nut and washers are those of ISO 4014, 4032 and 7089.

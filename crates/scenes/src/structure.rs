@@ -217,8 +217,8 @@ pub struct Model {
     pub reduction_error: Option<f64>,
     /// For a structure of several interfaces: what may be left out of the coupling between one and all others, relative to the largest, 0 to 1e-6. The
     /// reduced matrices are then blocks of the interfaces, coupled through few combinations of each, which cost the sum of the squares of the interfaces and
-    /// not the square of their sum. With 0 they are dense. By default 1e-7 where there are more than 3000 coordinates across all interfaces, and 0
-    /// otherwise.
+    /// not the square of their sum. With 0 they are dense. By default 1e-7 where there are more than 3000 coordinates across all interfaces and blocks
+    /// take fewer numbers, and 0 otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coupling_tolerance: Option<f64>,
 }

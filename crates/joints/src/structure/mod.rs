@@ -197,6 +197,7 @@ impl Structure {
         if several {
             let is_large = 3 * joint.interface.nodes.len() > LARGEST_DENSE;
             let by_size = is_large.then_some(COUPLING_TOLERANCE);
+            settings.blocks_if_smaller = model.coupling_tolerance.is_none();
             settings.coupling_tolerance = model
                 .coupling_tolerance
                 .or(by_size)

@@ -29,7 +29,7 @@ const SAMPLES: usize = 8;
 pub struct BoltGeometry {
     /// Name used in messages and of its load.
     pub name: String,
-    /// Two points on the axis (m), the one on the side of the head first. Nothing else is taken from them.
+    /// Two points on the axis (m), the one on the side of the head first. Beyond them the bolt clamps what lies on what is between them, without a gap.
     pub axis: [[f64; 3]; 2],
     /// The thread.
     pub thread: Thread,
@@ -395,6 +395,8 @@ impl FoundSeat {
         let from_axis = |x: Vector3<f64>| (x - origin - inward * inward.dot(&(x - origin))).norm();
         let mut nearest = f64::INFINITY;
         let mut candidates = Vec::new();
+        // Where solids end that begin farther out.
+        let mut backs: Vec<f64> = Vec::new();
         for face in boundary {
             let corners: Vec<Vector3<f64>> = face.corners().iter().map(|&n| nodes[n as usize].into()).collect();
             let middle = corners.iter().sum::<Vector3<f64>>() / corners.len() as f64;
@@ -406,12 +408,15 @@ impl FoundSeat {
             }
             let area = area_vector(&corners);
             // Walls of holes stand upright.
-            if area.dot(&inward) > -0.5 * area.norm() {
-                continue;
-            }
-            let inside = part_inside(&corners, middle, |x| (radii[0]..=radii[1]).contains(&from_axis(x)));
-            if inside > 0.0 {
-                let height = inward.dot(&(middle - origin));
+            let is_upright = area.dot(&inward).abs() < 0.5 * area.norm();
+            let inside = match is_upright {
+                true => 0.0,
+                false => part_inside(&corners, middle, |x| (radii[0]..=radii[1]).contains(&from_axis(x))),
+            };
+            let height = inward.dot(&(middle - origin));
+            if inside > 0.0 && area.dot(&inward) > 0.0 {
+                backs.push(height);
+            } else if inside > 0.0 {
                 candidates.push(Candidate {
                     face,
                     area,
@@ -420,6 +425,13 @@ impl FoundSeat {
                 });
             }
         }
+        let depth = SeatFacts::depth(seat.outer);
+        // What lies beyond a gap from the point given is not clamped.
+        let given = inward.dot(&(Vector3::from(geometry.axis[end]) - origin));
+        let gap = (backs.into_iter())
+            .filter(|back| *back <= given + depth && !candidates.iter().any(|c| (c.height - back).abs() <= depth))
+            .fold(f64::NEG_INFINITY, f64::max);
+        candidates.retain(|candidate| candidate.height > gap);
         let outermost = candidates.iter().map(|c| c.height).fold(f64::INFINITY, f64::min);
         if candidates.is_empty() {
             return Err(geometry.fail(format!(
@@ -428,7 +440,7 @@ impl FoundSeat {
                 radii[0], radii[1]
             )));
         }
-        let members = grown(&candidates, outermost + SeatFacts::depth(seat.outer));
+        let members = grown(&candidates, outermost + depth);
         let tilt = |c: &&Candidate<'_>| {
             (-c.area.dot(&inward) / c.area.norm())
                 .clamp(-1.0, 1.0)

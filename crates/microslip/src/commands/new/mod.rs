@@ -3,7 +3,7 @@
 use super::destination::write_new;
 use crate::text::print;
 use anyhow::{Context, Result, bail};
-use bolted_structures::Chain;
+use bolted_structures::{Chain, Flange, Frame};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -13,12 +13,15 @@ pub struct Arguments {
     /// Folder for the files, made if missing.
     directory: PathBuf,
     /// A bolted structure to start from, with a script that makes its mesh by Gmsh: half-brake-reuss-beam, lap-joint (two plates), ring (two
-    /// flanges), s4 (two C-shaped beams); or with its mesh: chain-of-laps (bars in a row).
+    /// flanges), s4 (two C-shaped beams); or with its mesh: bolted-frame (20 laps), chain-of-laps (bars in a row), flange (two rings on pads).
     #[arg(long, value_name = "NAME")]
     benchmark: Option<String>,
     /// Joints of a chain-of-laps, 1 to 200 [default: 4]
     #[arg(long, value_name = "N", requires = "benchmark", value_parser = clap::value_parser!(u16).range(1..=200))]
     joints: Option<u16>,
+    /// Bolts of a flange, 3 to 200 [default: 8]
+    #[arg(long, value_name = "N", requires = "benchmark", value_parser = clap::value_parser!(u16).range(3..=200))]
+    bolts: Option<u16>,
 }
 
 /// What all mesh scripts use.
@@ -52,8 +55,11 @@ const TEMPLATES: [Template; 4] = [
     template!("s4"),
 ];
 
-/// The structure whose mesh is made here.
-const CHAIN: &str = "chain-of-laps";
+/// Name of a mesh that is made here.
+const MESH: &str = "mesh.msh";
+
+/// Structures whose meshes are made here.
+const MADE: [&str; 3] = ["bolted-frame", "chain-of-laps", "flange"];
 
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
@@ -65,28 +71,45 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
             directory.display()
         ));
     };
-    if name == CHAIN {
-        let default = Chain::default();
-        let chain = Chain {
-            joints: arguments.joints.map_or(default.joints, usize::from),
-            ..default
-        };
-        let scene = format!("{:#}\n", chain.scene("chain.msh"));
-        let mesh = chain.mesh().context("making the mesh")?;
-        let readme = include_str!("chain-of-laps/README.md");
+    for (option, given, of) in [
+        ("joints", arguments.joints, MADE[1]),
+        ("bolts", arguments.bolts, MADE[2]),
+    ] {
+        if given.is_some() && name != of {
+            bail!("`{name}` has as many joints and bolts as it has; --{option} is for {of}");
+        }
+    }
+    let made = match MADE.iter().position(|made| made == name) {
+        Some(0) => Some((Frame::default().mesh(), Frame::default().scene(MESH))),
+        Some(1) => {
+            let default = Chain::default();
+            let joints = arguments.joints.map_or(default.joints, usize::from);
+            let chain = Chain { joints, ..default };
+            Some((chain.mesh(), chain.scene(MESH)))
+        }
+        Some(_) => {
+            let default = Flange::default();
+            let bolts = arguments.bolts.map_or(default.bolts, usize::from);
+            let flange = Flange { bolts, ..default };
+            Some((flange.mesh(), flange.scene(MESH)))
+        }
+        None => None,
+    };
+    if let Some((mesh, scene)) = made {
+        let (mesh, scene) = (mesh.context("making the mesh")?, format!("{scene:#}\n"));
         let files = [
-            ("README.md", readme.as_bytes()),
+            ("README.md", include_str!("joints.md").as_bytes()),
             ("scene.json", scene.as_bytes()),
-            ("chain.msh", mesh.as_bytes()),
+            (MESH, mesh.as_bytes()),
         ];
         return write_all(directory, &files);
     }
-    if arguments.joints.is_some() {
-        bail!("`{name}` has the joints that it has; --joints is for {CHAIN}");
-    }
     let Some(template) = TEMPLATES.iter().find(|template| template.name == *name) else {
         let known = TEMPLATES.map(|template| template.name).join(", ");
-        bail!("there is no structure `{name}` to start from; there are {known}, {CHAIN}");
+        bail!(
+            "there is no structure `{name}` to start from; there are {known}, {}",
+            MADE.join(", ")
+        );
     };
     write_all(directory, &template.files.map(|(name, text)| (name, text.as_bytes())))
 }
