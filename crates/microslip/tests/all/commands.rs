@@ -759,3 +759,37 @@ fn shells_are_given_completions() {
     }
     assert_eq!(exit_code(&run(&folder, &["completions", "tcsh"])), 2);
 }
+
+#[test]
+fn structures_of_many_joints_are_written_with_their_meshes() {
+    let folder = folder("joints");
+    for (name, option, count, joints) in [
+        ("chain-of-laps", "--joints", "2", 2),
+        ("flange", "--bolts", "5", 5),
+        ("bolted-frame", "", "", 20),
+    ] {
+        let options = ["new", "--benchmark", name, name, option, count];
+        let given = if option.is_empty() { &options[..4] } else { &options };
+        let output = run(&folder, given);
+        assert_eq!(exit_code(&output), 0, "{}", messages(&output));
+        let own = folder.join(name);
+        let scene = read_json(&own.join("scene.json"));
+        let interfaces = scene["structure"]["mesh"]["interfaces"].as_array().unwrap();
+        assert_eq!(interfaces.len(), joints, "{name}");
+        assert!(own.join("mesh.msh").is_file() && own.join("README.md").is_file());
+    }
+    let output = run(
+        &folder,
+        &["model", "chain-of-laps/scene.json", "--modes", "2", "--out", "model"],
+    );
+    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
+    // What a structure does not have is refused by name.
+    let output = run(&folder, &["new", "--benchmark", "flange", "--joints", "4", "other"]);
+    assert_eq!(exit_code(&output), 1);
+    assert!(
+        messages(&output).contains("--joints is for chain-of-laps"),
+        "{}",
+        messages(&output)
+    );
+    assert!(!folder.join("other").exists());
+}
