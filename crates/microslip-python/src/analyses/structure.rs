@@ -7,6 +7,7 @@ use crate::laws::Law;
 use crate::work::{pool, supervise};
 use cqsma_solver::prestress::{self, Prestress};
 use cqsma_solver::{Failure, Linearisation, NewtonSettings, modes};
+use dense_algebra::SystemMatrix;
 use faer::{Mat, MatRef};
 use finite_elements::sparse::{congruence, diagonal, multiply_vector};
 use joints::interface::{InterfaceForce, uniform_closure};
@@ -203,8 +204,8 @@ fn condense(relative: &RelativeSystem, recover: &[Vec<f64>], retained: Retained)
     if n == nd {
         // Nothing to reduce.
         return Ok(ReducedModel {
-            mass: full(&relative.mass),
-            stiffness: full(&relative.stiffness),
+            mass: full(&relative.mass).into(),
+            stiffness: full(&relative.stiffness).into(),
             loads: relative.loads.clone(),
             n_relative: nd,
             n_attachment: 0,
@@ -328,12 +329,14 @@ impl Structure {
     /// The reduced matrices without the components of the jump that are held, and what goes with them.
     fn reduced<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let reduced = &self.reduced;
-        let n = reduced.mass.nrows();
+        let n = reduced.size();
         let kept: Vec<usize> = (0..n)
             .filter(|&i| !self.held.get(i).is_some_and(|held| *held))
             .collect();
-        let square = |matrix: &Mat<f64>| {
-            let values = kept.iter().flat_map(|&i| kept.iter().map(move |&j| matrix[(i, j)]));
+        let square = |matrix: &SystemMatrix| {
+            let matrix = matrix.as_ref().to_dense();
+            let at = |i: usize, j: usize| matrix[(i, j)];
+            let values = kept.iter().flat_map(|&i| kept.iter().map(move |&j| at(i, j)));
             rows(py, values.collect(), kept.len())
         };
         let found = PyDict::new(py);
@@ -392,7 +395,7 @@ impl Structure {
     /// Equilibrium under the static load.
     pub(super) fn rest(&self, begin: &Begin) -> Result<Result<StaticState, Failure>, Exception> {
         let (reduced, nd) = (&self.reduced, self.reduced.n_relative);
-        let n = reduced.mass.nrows();
+        let n = reduced.size();
         let mut load = vec![0.0; n];
         for own in &reduced.loads {
             load.iter_mut().zip(own).for_each(|(sum, value)| *sum += value);
@@ -439,7 +442,7 @@ impl Structure {
     /// The structure linearised about a static state, with as many modes as are asked for or as have mass.
     pub(super) fn linearise(&self, begin: &Begin, rest: &StaticState) -> Result<Linearisation<'_, State>, Exception> {
         let (stiffness, mass) = (self.reduced.stiffness.as_ref(), self.reduced.mass.as_ref());
-        let rank = dense_algebra::rank(mass).map_err(|error| solver(error.to_string()))?;
+        let rank = dense_algebra::rank(mass.to_dense().as_ref()).map_err(|error| solver(error.to_string()))?;
         let solution = &rest.solution;
         let mut line = modes::linearise(
             stiffness,
