@@ -47,8 +47,8 @@ impl Chain {
     /// None for at least one element in each direction; otherwise those of the file.
     pub fn mesh(&self) -> Result<String, Error> {
         let mut mesh = Mesh::default();
-        // Not much coarser than laps: what joints do to one another must die away between them on the mesh too.
-        let free = self.along.div_ceil(2);
+        // As fine as laps: what joints do to one another must die away between them on the mesh too.
+        let free = self.along;
         let graded = |from: f64, cells: usize| (1..=cells).map(move |i| from + LAP * i as f64 / cells as f64);
         let along: Vec<f64> = std::iter::once(0.0)
             .chain(graded(0.0, self.along))

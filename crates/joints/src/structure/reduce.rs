@@ -44,7 +44,7 @@ const COPIES: u64 = 2;
 /// beam with 588 and with 2352 elements.
 const MATRICES: usize = 10;
 
-/// Columns of the basis of a joint, if its coupling to others is of low rank: 80 to 120 were measured with a tolerance of 1e-6.
+/// Columns of the basis of a joint, if its coupling to others is of low rank: 40 to 220 were measured.
 const EXPECTED_RANK: usize = 128;
 
 /// Residual of the modes of structures whose differences are wanted.
