@@ -94,6 +94,13 @@ pub(super) fn unlocked(
 ) -> Result<Mat<f64>, Error> {
     Ok(match behaviour {
         BoltBehaviour::DeadLoad => vibrating,
-        BoltBehaviour::Locked => product(model.reduced.locked_with_motions()?.1.as_ref(), vibrating.as_ref()),
+        BoltBehaviour::Locked => {
+            let (nd, (_, motions)) = (model.reduced.n_relative, model.reduced.locked_with_motions()?);
+            let mut whole = Mat::zeros(model.reduced.size(), vibrating.ncols());
+            whole.subrows_mut(0, nd).copy_from(vibrating.subrows(0, nd));
+            let rest = product(motions.as_ref(), vibrating.as_ref());
+            whole.subrows_mut(nd, rest.nrows()).copy_from(&rest);
+            whole
+        }
     })
 }

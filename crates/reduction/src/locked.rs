@@ -88,7 +88,8 @@ impl ReducedModel {
         Ok(self.locked_with_motions()?.0)
     }
 
-    /// As [`ReducedModel::locked`], with the motion of this model's coordinates in unit motions of those of the locked one, column by column.
+    /// As [`ReducedModel::locked`], with the motion of this model's coordinates behind the jump in unit motions of those of the locked one, column by column;
+    /// the jump is that of both.
     ///
     /// # Errors
     /// As [`ReducedModel::locked`].
@@ -172,9 +173,9 @@ impl ReducedModel {
         recovery
             .subcols_mut(nd, n_modes)
             .copy_from(product(recovered, shapes.as_ref()));
-        let mut motions = Mat::identity(nd + n_rest, n);
-        motions.submatrix_mut(nd, 0, n_rest, nd).copy_from(&follow);
-        motions.submatrix_mut(nd, nd, n_rest, n_modes).copy_from(&shapes);
+        let mut motions = Mat::zeros(n_rest, n);
+        motions.subcols_mut(0, nd).copy_from(&follow);
+        motions.subcols_mut(nd, n_modes).copy_from(&shapes);
         let locked = Self {
             mass: mass.into(),
             stiffness: stiffness.into(),
@@ -243,15 +244,9 @@ impl ReducedModel {
         recovery
             .subcols_mut(nd, n_modes)
             .copy_from(seen.recovery.subcols(rank, n_modes));
-        let n_rest = self.size() - nd;
-        let mut whole = Mat::identity(nd + n_rest, nd + n_modes);
-        let of_rest = motions.subrows(rank, n_rest);
-        whole
-            .submatrix_mut(nd, 0, n_rest, nd)
-            .copy_from(over_jump(of_rest.subcols(0, rank)));
-        whole
-            .submatrix_mut(nd, nd, n_rest, n_modes)
-            .copy_from(of_rest.subcols(rank, n_modes));
+        let mut whole = Mat::zeros(motions.nrows(), nd + n_modes);
+        whole.subcols_mut(0, nd).copy_from(over_jump(motions.subcols(0, rank)));
+        whole.subcols_mut(nd, n_modes).copy_from(motions.subcols(rank, n_modes));
         let model = Self {
             mass: over_blocks(&self.mass, seen.mass),
             stiffness: over_blocks(&self.stiffness, seen.stiffness),
