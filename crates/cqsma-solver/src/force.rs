@@ -17,11 +17,8 @@ impl PatternView<'_> {
     /// A stiffness plus the sparse tangent `values` on its leading block.
     pub fn added_to(self, stiffness: MatRef<'_, f64>, values: &[f64]) -> Mat<f64> {
         let mut sum = stiffness.to_owned();
-        for row in 0..self.indptr.len() - 1 {
-            for k in self.indptr[row]..self.indptr[row + 1] {
-                sum[(row, self.indices[k])] += values[k];
-            }
-        }
+        self.entries(values)
+            .for_each(|(row, column, value)| sum[(row, column)] += value);
         sum
     }
 

@@ -48,7 +48,7 @@ pub enum Reason {
     /// The linear system of a structure in blocks, which has no direct solver, was not solved.
     #[error(
         "a linear system was not solved: joints slip or open so much that the stuck structure tells little of them; take a smaller amplitude, or \
-         `model.joints: together`"
+         dense matrices by a `model.coupling_tolerance` of 0"
     )]
     Unsolved,
     /// A motion of given amplitude whose shape is not that of its neighbour.

@@ -57,12 +57,6 @@ impl BlockMatrix {
         }
     }
 
-    /// A matrix of one group.
-    pub fn of_one(matrix: Mat<f64>) -> Self {
-        let bases = Arc::new(vec![Mat::zeros(matrix.nrows(), 0)]);
-        Self::new(bases, Arc::new(vec![matrix]), Vec::new(), Mat::new())
-    }
-
     /// Rows and columns.
     pub fn size(&self) -> usize {
         self.bases.iter().map(|basis| basis.nrows()).sum::<usize>() + self.rest.len()

@@ -126,12 +126,8 @@ impl<'a> SystemMatrixRef<'a> {
     pub fn plus(self, factor: f64, other: SystemMatrixRef<'_>) -> SystemMatrix {
         match (self, other) {
             (Self::Blocks(own), SystemMatrixRef::Blocks(other)) => SystemMatrix::Blocks(own.plus(factor, other)),
-            _ => {
-                let (own, other) = (self.to_dense(), other.to_dense());
-                SystemMatrix::Dense(Mat::from_fn(own.nrows(), own.ncols(), |i, j| {
-                    own[(i, j)] + factor * other[(i, j)]
-                }))
-            }
+            (Self::Dense(own), SystemMatrixRef::Dense(other)) => SystemMatrix::Dense(own + other * faer::Scale(factor)),
+            (own, other) => SystemMatrix::Dense(own.to_dense() + other.to_dense() * faer::Scale(factor)),
         }
     }
 

@@ -279,9 +279,22 @@ fn reduce_parts(
     let loads = rows_of_whole(|part| &part.loads, parts.of_whole().loads.len());
     let recovery = rows_of_whole(|part| &part.recovery, rows.len());
     let loads: Vec<Vec<f64>> = loads.row_iter().map(|load| load.iter().copied().collect()).collect();
-    let (stiffness, mass) = match reduced.as_mut_slice() {
-        [part] if matches!(part.condensed.stiffness, SystemMatrix::Blocks(_)) => part.joined(&order, &loads, settings),
-        reduced => {
+    let blocks = match reduced.as_slice() {
+        [
+            part @ ReducedPart {
+                condensed:
+                    Condensed {
+                        stiffness: SystemMatrix::Blocks(stiffness),
+                        mass: SystemMatrix::Blocks(mass),
+                    },
+                ..
+            },
+        ] => Some(part.joined([stiffness, mass], &order, &loads, settings)),
+        _ => None,
+    };
+    let (stiffness, mass) = match blocks {
+        Some(blocks) => blocks,
+        None => {
             let mut whole = |of: fn(&mut ReducedPart) -> &mut SystemMatrix| {
                 // Each is freed once it is part of the sum.
                 let taken = reduced
@@ -457,14 +470,15 @@ impl ReducedPart {
         })
     }
 
-    /// Stiffness and mass over all coordinates, of which modes come in this `order`, as blocks, if wanted only where these are smaller than dense matrices;
+    /// Stiffness and mass over all coordinates, from those over the jump, of which modes come in this `order`, as blocks, if wanted only where these are smaller than dense matrices;
     /// `loads` are over the same coordinates.
-    fn joined(&self, order: &[(usize, usize)], loads: &[Vec<f64>], settings: Settings) -> (SystemMatrix, SystemMatrix) {
-        let over_jump = |matrix: &SystemMatrix| match matrix {
-            SystemMatrix::Blocks(blocks) => blocks.clone(),
-            SystemMatrix::Dense(matrix) => BlockMatrix::of_one(matrix.clone()),
-        };
-        let (stiffness, mass) = (over_jump(&self.condensed.stiffness), over_jump(&self.condensed.mass));
+    fn joined(
+        &self,
+        [stiffness, mass]: [&BlockMatrix; 2],
+        order: &[(usize, usize)],
+        loads: &[Vec<f64>],
+        settings: Settings,
+    ) -> (SystemMatrix, SystemMatrix) {
         let nd = self.momentum.nrows();
         let (n_momenta, n_modes) = (self.momentum.ncols(), order.len());
         // All that acts on the jump beside the blocks is seen by the bases.

@@ -139,15 +139,14 @@ impl LoadCompliance<'_> {
         let load = (0..nd)
             .map(|i| (0..n_loads).map(|j| tension[j] * model.loads[j][i]).sum())
             .collect();
+        let over_jump = Mat::from_fn(nd, n_loads, |i, j| model.loads[j][i]);
         let stiffness = match &model.stiffness {
             SystemMatrix::Dense(stiffness) => {
-                let over_jump = Mat::from_fn(nd, n_loads, |i, j| model.loads[j][i]);
                 let added = product(over_jump.as_ref(), all.as_ref());
                 SystemMatrix::Dense(stiffness.submatrix(0, 0, nd, nd) - dense_algebra::symmetric(added.as_ref()))
             }
             SystemMatrix::Blocks(stiffness) => {
                 let stiffness = stiffness.groups_alone();
-                let over_jump = Mat::from_fn(nd, n_loads, |i, j| model.loads[j][i]);
                 let (loads, change) = (
                     stiffness.onto_core(over_jump.as_ref()),
                     stiffness.onto_core(all.transpose()),

@@ -10,7 +10,6 @@ use crate::newton::{Equilibrium, Failure, Goal, Load, NewtonSettings, Reason, Se
 use crate::path::Path;
 use contact_laws::Sticking;
 use dense_algebra::{Inner, Packed, SystemMatrix, Vector};
-
 use std::f64::consts::PI;
 
 /// Equal steps of the modal force that a released motion is loaded in.
