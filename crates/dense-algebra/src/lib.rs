@@ -8,6 +8,7 @@
 
 mod blocks;
 mod fingerprint;
+mod krylov;
 mod limits;
 mod packed;
 mod reflected;
@@ -18,6 +19,7 @@ mod tiles;
 
 pub use blocks::{BlockInverse, BlockMatrix, leading_basis};
 pub use fingerprint::arithmetic_fingerprint;
+pub use krylov::Krylov;
 pub use limits::Limits;
 pub use packed::Symmetric;
 pub use reflected::{ReflectedInverse, Reflection};

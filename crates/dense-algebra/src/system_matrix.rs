@@ -1,22 +1,16 @@
 //! Stiffness or mass of a reduced structure: dense, or blocks with a coupling of low rank.
 
 use crate::blocks::{BlockInverse, BlockMatrix};
-use crate::{Error, Symmetric, add_product, cholesky_in_place, lowest_pairs, product, symmetric, symmetric_eigen};
+use crate::{Error, Krylov, Symmetric, cholesky_in_place, lowest_pairs, product};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use rayon::prelude::*;
-
-/// Vectors of a Lanczos step: as many equal eigenvalues are found.
-const WIDTH: usize = 8;
 
 /// Most vectors of all steps.
 const MOST_VECTORS: usize = 600;
 
 /// What the image of a pair may have beside all vectors, relative to it.
 const SETTLED: f64 = 1e-9;
-
-/// What is left of a vector beside others, relative to it, that counts as round-off.
-const DEPENDENT: f64 = 1e-12;
 
 /// A symmetric matrix.
 #[derive(Clone, Debug, PartialEq)]
@@ -312,92 +306,25 @@ fn lowest_pairs_of_inverse(
             .collect();
         Mat::from_fn(size, columns.len(), |i, j| columns[j][i])
     };
-    // Vectors that are orthonormal in the mass, their momenta, and the operator between them.
-    let (mut vectors, mut momenta) = (Mat::<f64>::zeros(size, 0), Mat::<f64>::zeros(size, 0));
-    let mut operator = Mat::<f64>::zeros(0, 0);
-    let mut block = images(&m.product(crate::scattered(size, WIDTH.min(size)).as_ref()));
-    let mut norms = Mat::<f64>::zeros(0, 0);
-    let gram = |a: &Mat<f64>| symmetric(product(a.transpose(), m.product(a.as_ref()).as_ref()).as_ref());
-    let lengths_of =
-        |gram: &Mat<f64>| -> Vec<f64> { (0..gram.nrows()).map(|i| gram[(i, i)].max(0.0).sqrt()).collect() };
+    let multiply = |x: MatRef<'_, f64>, mut y: MatMut<'_, f64>| y.copy_from(m.product(x));
+    let mut krylov = Krylov::new(size, MOST_VECTORS.min(size));
+    let mut block = images(&m.product(crate::scattered(size, Krylov::WIDTH.min(size)).as_ref()));
     loop {
-        let longest = lengths_of(&gram(&block)).into_iter().fold(0.0, f64::max);
-        // What the block has beside the vectors so far; in a second pass, what round-off left of them.
-        for pass in 0..2 {
-            let common = product(momenta.transpose(), block.as_ref());
-            add_product(block.as_mut(), vectors.as_ref(), common.as_ref(), -1.0);
-            let own = gram(&block);
-            let lengths = lengths_of(&own);
-            // The second pass finds vectors of unit length.
-            let longest = if pass == 0 { longest } else { 1.0 };
-            if pass == 0 {
-                norms.clone_from(&own);
-            }
-            let used: Vec<usize> = (0..lengths.len())
-                .filter(|&i| lengths[i] > DEPENDENT * longest)
-                .collect();
-            if used.is_empty() {
-                block = Mat::zeros(size, 0);
-                break;
-            }
-            let scaled = Mat::from_fn(used.len(), used.len(), |i, j| {
-                own[(used[i], used[j])] / (lengths[used[i]] * lengths[used[j]])
-            });
-            let (values, turn) = symmetric_eigen(scaled.as_ref())?;
-            let kept: Vec<usize> = (0..values.len()).filter(|&i| values[i] > DEPENDENT).collect();
-            let turn = Mat::from_fn(own.nrows(), kept.len(), |i, j| match used.binary_search(&i) {
-                Ok(at) => turn[(at, kept[j])] / (lengths[i] * values[kept[j]].sqrt()),
-                Err(_) => 0.0,
-            });
-            block = product(block.as_ref(), turn.as_ref());
+        let momenta = krylov.append(&multiply, block);
+        let width = momenta.ncols();
+        if width == 0 || krylov.converged(count, SETTLED)? {
+            break;
         }
-        let known = vectors.ncols();
-        if known > 0 {
-            let (ascending, rotation) = symmetric_eigen(operator.as_ref())?;
-            let found = count.min(known);
-            let last = norms.nrows();
-            // What the image of a pair has beside all vectors.
-            let residual = |j: usize| {
-                let own = rotation.submatrix(known - last, known - 1 - j, last, 1);
-                product(own.transpose(), product(norms.as_ref(), own).as_ref())[(0, 0)]
-                    .max(0.0)
-                    .sqrt()
-            };
-            let settled = (0..found).all(|j| residual(j) <= SETTLED * ascending[known - 1 - j]);
-            let is_complete = block.ncols() == 0;
-            if (settled && found == count) || is_complete {
-                let largest = ascending[known - 1];
-                let values: Vec<f64> = (0..found).map(|j| ascending[known - 1 - j]).collect();
-                if found < count || !values.iter().all(|v| *v > f64::EPSILON * largest) {
-                    return Err(Error::Rank { size, count });
-                }
-                let turn = Mat::from_fn(known, count, |i, j| rotation[(i, known - 1 - j)]);
-                let shapes = product(vectors.as_ref(), turn.as_ref());
-                return Ok((values.iter().map(|v| 1.0 / v).collect(), shapes));
-            }
-            if known >= MOST_VECTORS {
-                return Err(Error::NoConvergence { size });
-            }
-        } else if block.ncols() == 0 {
-            return Err(Error::Rank { size, count });
+        if krylov.size() >= MOST_VECTORS {
+            return Err(Error::NoConvergence { size });
         }
-        let of_block = m.product(block.as_ref());
-        let next = images(&of_block);
-        let beside = |a: &Mat<f64>, b: &Mat<f64>| {
-            let mut all = Mat::zeros(size, a.ncols() + b.ncols());
-            all.subcols_mut(0, a.ncols()).copy_from(a);
-            all.subcols_mut(a.ncols(), b.ncols()).copy_from(b);
-            all
-        };
-        vectors = beside(&vectors, &block);
-        momenta = beside(&momenta, &of_block);
-        let coupling = product(momenta.transpose(), next.as_ref());
-        let n = vectors.ncols();
-        let mut grown = Mat::zeros(n, n);
-        grown.submatrix_mut(0, 0, known, known).copy_from(&operator);
-        grown.subcols_mut(known, n - known).copy_from(&coupling);
-        grown.subrows_mut(known, n - known).copy_from(coupling.transpose());
-        operator = symmetric(grown.as_ref());
-        block = next;
+        block = images(&momenta);
+        krylov.follow(width);
     }
+    let (values, shapes) = krylov.ritz_pairs(count)?;
+    let largest = values.first().copied().unwrap_or_default();
+    if values.len() < count || !values.iter().all(|v| *v > f64::EPSILON * largest) {
+        return Err(Error::Rank { size, count });
+    }
+    Ok((values.iter().map(|v| 1.0 / v).collect(), shapes))
 }

@@ -7,10 +7,9 @@
 use crate::Error;
 use crate::factor::SparseCholesky;
 use crate::sparse::{diagonal, multiply_into};
-use dense_algebra::{Limits, add_product, product_into};
-use faer::{Mat, MatRef, unzip, zip};
+use dense_algebra::{Krylov, Limits, product_into};
+use faer::{Mat, MatMut, MatRef, unzip, zip};
 use sprs::CsMat;
-use std::ops::Range;
 
 /// Systems of at most this size are always solved whole.
 const WHOLE: usize = 128;
@@ -19,7 +18,7 @@ const WHOLE: usize = 128;
 const MASSLESS: f64 = 1e-13;
 
 /// Vectors advanced together: more cost little, because each solve reads the whole factor.
-const BLOCK: usize = 8;
+const BLOCK: usize = Krylov::WIDTH;
 
 /// `omega^2` over [`shift`] from which a mode stores energy: motions without any are found at 1e-8 of it at most, and bodies on springs of 1 N/m
 /// must be told from them.
@@ -202,7 +201,15 @@ fn lengths(factor: &SparseCholesky, forces: Mat<f64>) -> Vec<f64> {
     let mut motions = forces.clone();
     factor.solve_in_place(motions.as_mut());
     (0..forces.ncols())
-        .map(|j| dot(&forces, j, &motions, j).max(0.0).sqrt())
+        .map(|j| {
+            let work: f64 = forces
+                .col(j)
+                .iter()
+                .zip(motions.col(j).iter())
+                .map(|(a, b)| a * b)
+                .sum();
+            work.max(0.0).sqrt()
+        })
         .collect()
 }
 
@@ -266,24 +273,25 @@ fn krylov_basis(
 ) -> Result<(usize, Mat<f64>), Error> {
     let n = mass.rows();
     let limit = krylov_limit(wanted, least, n);
+    let multiply = |x: MatRef<'_, f64>, y: MatMut<'_, f64>| multiply_into(mass, x, y);
     let mut krylov = Krylov::new(n, limit);
     let mut block = dense_algebra::scattered(n, BLOCK.min(n));
     loop {
         if limits.stops() {
             return Err(Error::Interrupted);
         }
-        block = krylov.append(mass, block);
+        block = krylov.append(&multiply, block);
         // The true residual weighs the stiffest components most, the Ritz residual the softest: demand more of it.
         let done = krylov.size() >= least.max(2 * wanted) && krylov.converged(wanted, 1e-3 * tolerance)?;
         if done || krylov.size() >= limit || block.ncols() == 0 {
             break;
         }
         factor.solve_in_place(block.as_mut());
-        krylov.source = krylov.size() - block.ncols()..krylov.size();
+        krylov.follow(block.ncols());
     }
     // The zero-energy modes dominate the projected operator, and its round-off mixes the higher modes with their
     // neighbours: keep those too, and let the Rayleigh-Ritz step with the true stiffness part them.
-    let shapes = krylov.ritz_vectors(wanted + BLOCK)?;
+    let (_, shapes) = krylov.ritz_pairs(wanted + BLOCK)?;
     let size = krylov.size();
     // What follows takes as much memory.
     drop(krylov);
@@ -296,9 +304,9 @@ fn krylov_basis(
     let mut polished = Krylov::new(n, image.ncols());
     for first in (0..image.ncols()).step_by(BLOCK) {
         let width = BLOCK.min(image.ncols() - first);
-        polished.append(mass, image.subcols(first, width).to_owned());
+        polished.append(&multiply, image.subcols(first, width).to_owned());
     }
-    Ok((size, polished.basis))
+    Ok((size, polished.into_basis()))
 }
 
 /// Eigenpairs of the pair projected on the columns of `basis`, with mass-normalised vectors.
@@ -320,147 +328,4 @@ fn rayleigh_ritz(
     let mut vectors = Mat::zeros(n, m);
     product_into(vectors.as_mut(), basis, small.as_ref());
     Ok((values, vectors))
-}
-
-/// An orthonormal Krylov basis (mass inner product) with the projected operator.
-struct Krylov {
-    basis: Mat<f64>,
-    /// Projection coefficients: column `j` expands the operator's image of basis vector `j`.
-    projected: Mat<f64>,
-    /// Basis vectors whose image the next block is.
-    source: Range<usize>,
-}
-
-impl Krylov {
-    fn new(n: usize, limit: usize) -> Self {
-        let room = limit + BLOCK;
-        let mut basis = Mat::with_capacity(n, room);
-        basis.resize_with(n, 0, |_, _| 0.0);
-        Self {
-            basis,
-            projected: Mat::zeros(room, room),
-            source: 0..0,
-        }
-    }
-
-    fn size(&self) -> usize {
-        self.basis.ncols()
-    }
-
-    /// Orthonormalises the block against the basis and appends it; returns `M` times the new vectors, ready for the
-    /// solve. Vectors that add nothing are left out.
-    fn append(&mut self, mass: &CsMat<f64>, mut block: Mat<f64>) -> Mat<f64> {
-        let (n, size, width) = (block.nrows(), self.size(), block.ncols());
-        let mut momentum = Mat::zeros(n, width);
-        // The block as it came is basis * along + block * upper.
-        let mut along = Mat::<f64>::zeros(size, width);
-        let mut upper = Mat::<f64>::identity(width, width);
-        for _ in 0..2 {
-            multiply_into(mass, block.as_ref(), momentum.as_mut());
-            let initial: Vec<f64> = (0..block.ncols())
-                .map(|j| dot(&block, j, &momentum, j).max(0.0).sqrt())
-                .collect();
-            let coefficients = dense_algebra::product(self.basis.transpose(), momentum.as_ref());
-            add_product(block.as_mut(), self.basis.as_ref(), coefficients.as_ref(), -1.0);
-            multiply_into(mass, block.as_ref(), momentum.as_mut());
-            along += dense_algebra::product(coefficients.as_ref(), upper.as_ref());
-            let new = orthonormalise(&mut block, &mut momentum, &initial);
-            upper = dense_algebra::product(new.as_ref(), upper.as_ref());
-        }
-        for column in 0..self.source.len() {
-            let image = self.source.start + column;
-            for row in 0..size {
-                self.projected[(row, image)] = along[(row, column)];
-            }
-            for row in 0..block.ncols() {
-                self.projected[(size + row, image)] = upper[(row, column)];
-            }
-        }
-        let grown = size + block.ncols();
-        self.basis
-            .resize_with(n, grown, |row, column| block[(row, column - size)]);
-        momentum
-    }
-
-    /// Eigenpairs of the projected operator over the vectors whose images are known, descending.
-    fn ritz(&self) -> Result<(Vec<f64>, Mat<f64>, usize), Error> {
-        let known = self.source.end;
-        let h = Mat::from_fn(known, known, |i, j| {
-            0.5 * (self.projected[(i, j)] + self.projected[(j, i)])
-        });
-        let (ascending, columns) = dense_algebra::symmetric_eigen(h.as_ref())?;
-        let values = ascending.into_iter().rev().collect();
-        let vectors = Mat::from_fn(known, known, |i, j| columns[(i, known - 1 - j)]);
-        Ok((values, vectors, known))
-    }
-
-    /// Whether the residuals `|A phi - theta phi|_M` of the leading pairs are below `tolerance * theta`.
-    fn converged(&self, wanted: usize, tolerance: f64) -> Result<bool, Error> {
-        let (values, vectors, known) = self.ritz()?;
-        if known < wanted {
-            return Ok(false);
-        }
-        let tail = self.source.clone();
-        Ok((0..wanted).all(|pair| {
-            let mut squares = 0.0;
-            for row in known..self.size() {
-                let sum: f64 = tail
-                    .clone()
-                    .map(|j| self.projected[(row, j)] * vectors[(j, pair)])
-                    .sum();
-                squares += sum * sum;
-            }
-            squares.sqrt() <= tolerance * values[pair].abs()
-        }))
-    }
-
-    /// The leading vectors, at most `wanted`.
-    fn ritz_vectors(&self, wanted: usize) -> Result<Mat<f64>, Error> {
-        let (_, vectors, known) = self.ritz()?;
-        let take = wanted.min(known);
-        let mut shapes = Mat::zeros(self.basis.nrows(), take);
-        let leading = vectors.subcols(0, take);
-        product_into(shapes.as_mut(), self.basis.subcols(0, known), leading);
-        Ok(shapes)
-    }
-}
-
-fn dot(a: &Mat<f64>, i: usize, b: &Mat<f64>, j: usize) -> f64 {
-    a.col(i).iter().zip(b.col(j).iter()).map(|(a, b)| a * b).sum()
-}
-
-/// Modified Gram-Schmidt on the columns of `block` in the mass inner product, with the mass times them alongside.
-///
-/// Columns left with less than 1e-12 of their `initial` norm are dropped. Returns the coefficients of the old columns
-/// in the new ones.
-fn orthonormalise(block: &mut Mat<f64>, momentum: &mut Mat<f64>, initial: &[f64]) -> Mat<f64> {
-    let (n, width) = (block.nrows(), block.ncols());
-    let mut coefficients = Mat::zeros(width, width);
-    let mut kept = 0;
-    for column in 0..width {
-        for other in 0..kept {
-            let along = dot(block, column, momentum, other);
-            coefficients[(other, column)] = along;
-            for vectors in [&mut *block, &mut *momentum] {
-                let (before, from) = vectors.as_mut().split_at_col_mut(column);
-                zip!(from.col_mut(0), before.col(other)).for_each(|unzip!(a, b)| *a -= along * b);
-            }
-        }
-        let norm = dot(block, column, momentum, column).max(0.0).sqrt();
-        // `!(a > b)` also catches NaN.
-        if !(norm > 1e-12 * initial[column]) {
-            continue;
-        }
-        coefficients[(kept, column)] = norm;
-        for vectors in [&mut *block, &mut *momentum] {
-            for row in 0..n {
-                vectors[(row, kept)] = vectors[(row, column)] / norm;
-            }
-        }
-        kept += 1;
-    }
-    block.truncate(n, kept);
-    momentum.truncate(n, kept);
-    coefficients.truncate(kept, width);
-    coefficients
 }
