@@ -1,11 +1,15 @@
-//! Responses of a scene's structure to harmonic forces, about its static state.
+//! Responses of a scene's structure to harmonic forces, or to harmonic motion of its supports, about its static state.
+//!
+//! Under an acceleration `a` of the supports along `d`, displacements `u` against them obey `M u'' + K u + F(u) = -M r a` with the translation `r` of
+//! everything along `d`; seen from outside they are `u + r a / (i omega)^2`. The supports push with the rate of the whole momentum,
+//! `r^T M (u'' + r a)`.
 
 use super::epmc::EpmcBackbone;
-use super::linearised::{flow, newton};
+use super::linearised::{Base, Drive, flow, newton};
 use super::vibration::{Start, VibrationAnalysis};
 use crate::Error;
 use harmonic_balance::backbone::Motion;
-use harmonic_balance::{Failure, Sampling, forced, synthesis};
+use harmonic_balance::{Failure, Harmonics, Sampling, forced, synthesis};
 use joints::progress::Stage;
 use joints::store::checkpoint::{Checkpoint, Checkpoints};
 use scenes::Forced;
@@ -29,10 +33,7 @@ impl VibrationAnalysis for Forced {
         let (about, progress, settings) = (start.about, start.progress, self);
         let free = start.modes.iter().filter_map(|mode| mode.epmc.as_ref());
         progress.begin(Stage::Forced);
-        let row: Vec<f64> = match about.vibrating.recovery.nrows() {
-            1 => about.response.to_vec(),
-            _ => about.vibrating.recovery.row(1).iter().copied().collect(),
-        };
+        let Drive { row, base } = about.drive(&settings.excitation());
         let range = [TAU * settings.from_hz, TAU * settings.to_hz];
         let background = about.scene.background_damping;
         let solver = forced::Settings {
@@ -73,18 +74,21 @@ impl VibrationAnalysis for Forced {
             }
         };
         let mut responses = checkpoint.leading();
-        let levels = settings.levels.len();
+        let levels = settings.levels();
         if !responses.is_empty() {
             let found = responses.len();
+            let all = levels.len();
             progress.note(&format!(
-                "{found} of {levels} forced responses were taken from an interrupted run"
+                "{found} of {all} forced responses were taken from an interrupted run"
             ));
         }
-        for (index, level) in settings.levels.iter().enumerate().skip(responses.len()) {
-            let level = level.si();
+        for (index, &level) in levels.iter().enumerate().skip(responses.len()) {
             let curve = forced::follow(about.line, about.force, &row, level, &solver, &mut |point| {
                 let way = (point.omega - range[0]) / (range[1] - range[0]);
-                progress.fraction(Stage::Forced, (index as f64 + way.clamp(0.0, 1.0)) / levels as f64);
+                progress.fraction(
+                    Stage::Forced,
+                    (index as f64 + way.clamp(0.0, 1.0)) / levels.len() as f64,
+                );
                 flow(progress)
             })?;
             let resonances = forced::resonances(about.line, about.force, &row, &curve, &solver)?;
@@ -92,7 +96,13 @@ impl VibrationAnalysis for Forced {
                 .into_iter()
                 .filter(|p| (p.omega - range[0]) * (p.omega - range[1]) <= 0.0)
                 .collect();
-            let response = ForcedResponse::new(about.response, curve, &resonances, synthesis);
+            let observed = Observed {
+                row: about.response,
+                load: &row,
+                base,
+                level,
+            };
+            let response = ForcedResponse::new(&observed, curve, &resonances, synthesis);
             checkpoint.add(index, &response);
             responses.push(response);
         }
@@ -102,10 +112,10 @@ impl VibrationAnalysis for Forced {
     }
 }
 
-/// The response to a force of one amplitude.
+/// The response to an excitation of one amplitude.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ForcedResponse {
-    /// Amplitude of the force (N).
+    /// Amplitude of the force (N), or of the acceleration of the supports (m/s^2).
     pub level: f64,
     /// Points in the order in which they follow one another on the curve.
     pub points: Vec<ForcedPoint>,
@@ -134,37 +144,95 @@ pub struct ForcedPoint {
     pub mean: f64,
     /// Residual relative to the elastic forces (energy norm).
     pub residual: f64,
+    /// What contact and viscous damping take over a period less what is put in, in the unit of damping ratios.
+    pub energy_error: f64,
+    /// Under moving supports, what is seen from outside.
+    pub outside: Option<Outside>,
     /// Whether the frequency turns back here.
     pub turns: bool,
 }
 
+/// A motion under moving supports, seen from outside.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Outside {
+    /// Amplitude of the first harmonic of the displacement of the response point (m).
+    pub amplitude: f64,
+    /// How far it lags behind that of the supports (rad), from 0 to 2 pi.
+    pub phase: f64,
+    /// Its amplitude over that of the supports.
+    pub transmissibility: f64,
+    /// Amplitude of the first harmonic of the force that the supports put on the structure along their motion (N), where its mass is known.
+    pub support_force: Option<f64>,
+}
+
+/// What is seen of a motion.
+struct Observed<'a> {
+    /// Recovers the displacement of the response point.
+    row: &'a [f64],
+    /// Load per level.
+    load: &'a [f64],
+    base: Option<Base>,
+    level: f64,
+}
+
+impl Observed<'_> {
+    /// What is seen from outside of a motion with `[cosine, sine]` of the first harmonic at the response point.
+    fn outside(&self, base: Base, omega: f64, [c, s]: [f64; 2], displacement: &Harmonics) -> Outside {
+        let supports = -self.level / (omega * omega);
+        let c = c + base.carried * supports;
+        let amplitude = c.hypot(s);
+        // The load is minus the momentum.
+        let momentum = displacement.along(self.load);
+        let force = base.mass.map(|mass| {
+            let rate = omega * omega;
+            (rate * momentum[1] + mass * self.level).hypot(rate * momentum[2])
+        });
+        Outside {
+            amplitude,
+            phase: (-s).atan2(-c).rem_euclid(TAU),
+            transmissibility: amplitude / supports.abs(),
+            support_force: force,
+        }
+    }
+}
+
 impl ForcedPoint {
-    fn new(row: &[f64], omega: f64, displacement: &harmonic_balance::Harmonics, residual: f64, turns: bool) -> Self {
-        let along = displacement.along(row);
-        let amplitude = |h: usize| along[2 * h - 1].hypot(along[2 * h]);
+    fn new(
+        of: &Observed<'_>,
+        omega: f64,
+        displacement: &Harmonics,
+        [residual, energy_error]: [f64; 2],
+        turns: bool,
+    ) -> Self {
+        let along = displacement.along(of.row);
+        let pair = |h: usize| [along[2 * h - 1], along[2 * h]];
+        let components: Vec<[f64; 2]> = (1..=displacement.count()).map(pair).collect();
+        let [c, s] = components[0];
         Self {
             frequency_hz: omega / TAU,
-            harmonics: (1..=displacement.count()).map(amplitude).collect(),
-            components: (1..=displacement.count())
-                .map(|h| [along[2 * h - 1], along[2 * h]])
-                .collect(),
-            phase: along[2].atan2(along[1]).rem_euclid(TAU),
+            harmonics: components.iter().map(|[c, s]| c.hypot(*s)).collect(),
+            phase: s.atan2(c).rem_euclid(TAU),
             mean: along[0],
             residual,
+            energy_error,
+            outside: of.base.map(|base| of.outside(base, omega, [c, s], displacement)),
             turns,
+            components,
         }
     }
 }
 
 impl ForcedResponse {
     fn new(
-        row: &[f64],
+        of: &Observed<'_>,
         curve: forced::Curve,
         resonances: &[Result<forced::Resonance, Failure>],
         synthesis: Vec<synthesis::Point>,
     ) -> Self {
-        let point = |p: &forced::Point| ForcedPoint::new(row, p.omega, &p.displacement, p.residual, p.turns);
-        let resonance = |r: &forced::Resonance| ForcedPoint::new(row, r.omega, &r.displacement, r.residual, false);
+        let point =
+            |p: &forced::Point| ForcedPoint::new(of, p.omega, &p.displacement, [p.residual, p.energy_error], p.turns);
+        let resonance =
+            |r: &forced::Resonance| ForcedPoint::new(of, r.omega, &r.displacement, [r.residual, r.energy_error], false);
         let mut points: Vec<ForcedPoint> = curve.points.iter().map(point).collect();
         // Resonances are points of the curve too; from the last to the first, so that the indices hold.
         for found in resonances.iter().flatten().rev() {
@@ -205,12 +273,16 @@ impl ForcedResponse {
     }
 }
 
-/// The response to a harmonic force of one amplitude; lists run along the curve.
+/// The response to a harmonic force, or to harmonic motion of the supports, of one amplitude; lists run along the curve. Under moving supports,
+/// displacements are those against the supports, and the force is that of inertia, minus their acceleration.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ForcedSummary {
-    /// Amplitude of the force (N).
+    /// Amplitude of the force (N), or of the acceleration of the supports (m/s^2).
     pub level: f64,
+    /// Unit of the level: `N` or `m/s^2`.
+    #[serde(default = "newton_unit")]
+    pub level_unit: String,
     /// Frequencies of the force (Hz).
     pub frequency: Vec<f64>,
     /// Amplitudes of the first harmonic of the displacement at the response point (m).
@@ -227,6 +299,13 @@ pub struct ForcedSummary {
     pub mean: Vec<f64>,
     /// Residuals relative to the elastic forces (energy norm).
     pub residual: Vec<f64>,
+    /// What contact and viscous damping take over a period less what is put in, over `4 pi` times the energy of the first harmonic: an error in the unit of
+    /// damping ratios (-).
+    #[serde(default)]
+    pub energy_error: Vec<f64>,
+    /// Under moving supports, what is seen from outside.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base: Option<OutsideSummary>,
     /// Indices, from 0, of the points at which the frequency turns back.
     pub turning_points: Vec<usize>,
     /// Where the response is a quarter period behind the force.
@@ -247,6 +326,36 @@ pub struct ForcedSummary {
     pub krylov_steps: usize,
     /// Why the curve ends early, if it does.
     pub failure: Option<String>,
+}
+
+fn newton_unit() -> String {
+    "N".to_owned()
+}
+
+/// Motion under moving supports seen from outside; lists run along the curve.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct OutsideSummary {
+    /// Amplitudes of the first harmonic of the displacement of the response point (m).
+    pub amplitude: Vec<f64>,
+    /// The same over the displacement of the supports (-).
+    pub transmissibility: Vec<f64>,
+    /// How far it lags behind that of the supports (degrees).
+    pub phase: Vec<f64>,
+    /// Amplitudes of the first harmonic of the force that the supports put on the structure along their motion (N); `null` where its mass is not known.
+    pub support_force: Vec<Option<f64>>,
+}
+
+impl OutsideSummary {
+    fn of(points: &[ForcedPoint]) -> Option<Self> {
+        let all: Vec<Outside> = points.iter().map(|point| point.outside).collect::<Option<_>>()?;
+        Some(Self {
+            amplitude: all.iter().map(|p| p.amplitude).collect(),
+            transmissibility: all.iter().map(|p| p.transmissibility).collect(),
+            phase: all.iter().map(|p| p.phase.to_degrees()).collect(),
+            support_force: all.iter().map(|p| p.support_force).collect(),
+        })
+    }
 }
 
 /// A maximum of the share of a harmonic.
@@ -276,7 +385,7 @@ pub struct ResonanceSummary {
 }
 
 impl ForcedSummary {
-    pub(crate) fn of(of: &ForcedResponse) -> Self {
+    pub(crate) fn of(of: &ForcedResponse, unit: &str) -> Self {
         let each = |value: &dyn Fn(&ForcedPoint) -> f64| of.points.iter().map(value).collect::<Vec<f64>>();
         let peak = of.peak().map(|p| [p.frequency_hz, p.harmonics[0]]);
         let alone = of
@@ -295,6 +404,9 @@ impl ForcedSummary {
         };
         Self {
         level: of.level,
+        level_unit: unit.to_owned(),
+        energy_error: each(&|p| p.energy_error),
+        base: OutsideSummary::of(&of.points),
         frequency: each(&|p| p.frequency_hz),
         amplitude: each(&|p| p.harmonics[0]),
         phase: each(&|p| p.phase.to_degrees()),

@@ -174,6 +174,7 @@ impl CaseStructure {
             vibrating,
             line: &line,
             response: &response,
+            facts: &solver.model.facts,
         };
         let followed = &case.analyses.modes.followed;
         let requests = followed.iter().map(|mode| Request {

@@ -28,6 +28,7 @@ mod observer;
 mod outcome;
 mod prepared;
 mod prestress;
+pub mod random;
 mod recovered;
 pub mod registration;
 pub mod results;

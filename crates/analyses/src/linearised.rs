@@ -4,8 +4,9 @@ use cqsma_solver::Linearisation;
 use harmonic_balance::NewtonSettings;
 use joints::interface::InterfaceForce;
 use joints::progress::Progress;
+use joints::structure::Facts;
 use reduction::ReducedModel;
-use scenes::Scene;
+use scenes::{Excitation, Scene};
 use std::ops::ControlFlow;
 use zte_assembly::State;
 
@@ -19,6 +20,51 @@ pub(super) struct Linearised<'a> {
     pub(super) line: &'a Linearisation<'a, State>,
     /// Recovers the displacement at the response point.
     pub(super) response: &'a [f64],
+    /// What is known of the full model.
+    pub(super) facts: &'a Facts,
+}
+
+/// What drives the structure about its static state.
+pub(super) struct Drive {
+    /// Load per unit: of a force of 1 N, or of an acceleration of the supports of 1 m/s^2.
+    pub(super) row: Vec<f64>,
+    /// Of moving supports, what their motion does beside the load.
+    pub(super) base: Option<Base>,
+}
+
+/// What moves with supports.
+#[derive(Clone, Copy)]
+pub(super) struct Base {
+    /// Displacement at the response point when everything moves with the supports by one.
+    pub(super) carried: f64,
+    /// Mass of everything (kg), where it is known.
+    pub(super) mass: Option<f64>,
+}
+
+impl Linearised<'_> {
+    /// What an excitation of one of the scene's analyses does: an acceleration of the supports loads the structure with minus the momentum per velocity.
+    pub(super) fn drive(&self, excitation: &Excitation) -> Drive {
+        let number = self.scene.analyses.recovered(excitation);
+        let row = self.vibrating.recovery.row(number).iter().copied();
+        let carried = number.checked_sub(1).and_then(|place| *self.facts.carried.get(place)?);
+        match carried {
+            None if number == 0 => Drive {
+                row: self.response.to_vec(),
+                base: None,
+            },
+            None => Drive {
+                row: row.collect(),
+                base: None,
+            },
+            Some(carried) => Drive {
+                row: row.map(|momentum| -momentum).collect(),
+                base: Some(Base {
+                    carried,
+                    mass: self.facts.mass,
+                }),
+            },
+        }
+    }
 }
 
 /// Settings of harmonic balance with this tolerance.

@@ -4,6 +4,7 @@ use super::forced::ForcedResponse;
 use super::linearised::Linearised;
 use super::mode_backbone::ModeAnalysis;
 use super::prestress::PrestressResult;
+use super::random::{RandomFailure, RandomVibration};
 use super::ring_down::RingDown;
 use super::tightening::TighteningResult;
 use super::vibration::{Start, VibrationAnalysis};
@@ -32,6 +33,8 @@ pub(crate) struct Analysis {
 pub struct Vibration {
     /// Forced responses, level by level.
     pub forced: Option<Vec<ForcedResponse>>,
+    /// Stationary random vibration, level by level, or why there is none.
+    pub random: Option<Result<Vec<RandomVibration>, RandomFailure>>,
     /// The ring-down, or why there is none.
     pub ring_down: Option<Result<RingDown, Error>>,
 }
@@ -54,6 +57,7 @@ impl Vibration {
         };
         Ok(Self {
             forced: find(asked.forced.as_ref(), start, checkpoints)?,
+            random: find(asked.random.as_ref(), start, checkpoints)?,
             ring_down: find(asked.ring_down.as_ref(), start, checkpoints)?,
         })
     }

@@ -191,6 +191,7 @@ impl Solver<'_> {
             vibrating,
             line: &line,
             response: &response,
+            facts: &self.model.facts,
         };
         let recorded = element_loops::recorded(
             &scene.analyses,

@@ -142,7 +142,7 @@ pub fn joint(refinement: &Refinement, mesh: &MeshSettings) -> crate::Result<Join
         },
         response_node: beam.response_node,
         response_direction: beam.response_direction,
-        excitation: None,
+        excitations: Vec::new(),
         moved_pairs: None,
         raised: None,
         rigid_motions: 6,

@@ -25,6 +25,7 @@ pub mod modes;
 pub mod newton;
 mod path;
 pub mod prestress;
+pub mod random;
 pub mod rqnma;
 pub mod sensitivity;
 pub mod test_problems;

@@ -6,7 +6,7 @@ use crate::elements;
 use crate::mesh::{Assembly, Mesh};
 use crate::reflection::Reflection;
 use crate::shank::AtReferences;
-use crate::sparse::{congruence, diagonal, sum};
+use crate::sparse::{congruence, diagonal, multiply_vector, sum};
 use rayon::prelude::*;
 use sprs::CsMat;
 
@@ -28,6 +28,9 @@ pub struct System {
     pub positions: Vec<[f64; 3]>,
     /// Total mass of the elements, the shanks and all other masses (kg).
     pub total_mass: f64,
+    /// Momentum of the whole, those of what is held included, per velocity of a translation along each axis, over the independent components (kg):
+    /// minus its product with the acceleration of the supports is the load that they put on what moves against them.
+    pub momenta: [Vec<f64>; 3],
     /// Mass lumped at each node (kg), in proportion to the diagonal of the consistent mass, so that it is positive for all elements.
     pub nodal_mass: Vec<f64>,
     /// Reflections that take the mesh to itself; whether they keep stiffness and mass is not known.
@@ -75,12 +78,17 @@ impl System {
         let mut nodal_mass = diagonal(&mass);
         let scale = total_mass / nodal_mass.iter().sum::<f64>();
         nodal_mass.iter_mut().for_each(|mass| *mass *= scale);
+        let mut momenta = translation_momenta(&dofs, &mass);
         let mut stiffness = congruence(&dofs.transform, &stiffness);
         let mut mass = congruence(&dofs.transform, &for_three_components(&mass));
         if let Some(of) = AtReferences::try_new(assembly, &dofs)? {
             stiffness = sum(&stiffness, 1.0, &of.stiffness);
             mass = sum(&mass, 1.0, &of.mass);
             total_mass += of.total_mass;
+            for (axis, momentum) in momenta.iter_mut().enumerate() {
+                let own = multiply_vector(&of.mass, &translation(assembly, &dofs, axis));
+                momentum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+            }
         }
         refuse_loose(assembly, &dofs, &stiffness)?;
         let loads = assembly
@@ -96,6 +104,7 @@ impl System {
             positions: dofs.positions.clone(),
             dofs,
             total_mass,
+            momenta,
             nodal_mass,
         })
     }
@@ -104,6 +113,34 @@ impl System {
     pub fn n_dofs(&self) -> usize {
         self.positions.len()
     }
+}
+
+/// `T^T M r` of a nodal mass over all displacement components, held ones included, for translations `r` along the three axes.
+fn translation_momenta(dofs: &DofMap, nodal: &CsMat<f64>) -> [Vec<f64>; 3] {
+    let of_node: Vec<f64> = nodal.outer_iterator().map(|row| row.data().iter().sum()).collect();
+    [0, 1, 2].map(|axis| {
+        let mut momentum = vec![0.0; dofs.independent.len()];
+        for (node, mass) in of_node.iter().enumerate() {
+            for (column, share) in dofs.row(3 * node + axis) {
+                momentum[column] += share * mass;
+            }
+        }
+        momentum
+    })
+}
+
+/// A translation along an axis over the independent components.
+fn translation(assembly: &Assembly, dofs: &DofMap, axis: usize) -> Vec<f64> {
+    let nodal = 3 * assembly.mesh.nodes.len();
+    let moves = |full: &usize| match full.checked_sub(nodal) {
+        None => full % 3 == axis,
+        // Of the motions of reference points; overlaps, which follow them, are none.
+        Some(motion) => motion < 6 * assembly.couplings.len() && motion % 6 == axis,
+    };
+    dofs.independent
+        .iter()
+        .map(|full| f64::from(u8::from(moves(full))))
+        .collect()
 }
 
 /// Refuses nodes without elements, and motions of reference points, that nothing brings into the stiffness.

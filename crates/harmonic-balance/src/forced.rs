@@ -67,6 +67,9 @@ pub struct Point {
     pub residual: f64,
     /// Change of the tractions from the last period to the one before relative to their range.
     pub drift: f64,
+    /// What contact and viscous damping take over a period less what the force gives, over `2 pi omega^2 V_1^H M V_1`: an error in the unit of damping
+    /// ratios.
+    pub energy_error: f64,
     /// Whether the frequency turns back here.
     pub turns: bool,
 }
@@ -95,6 +98,8 @@ pub struct Resonance {
     pub displacement: Harmonics,
     /// Residual relative to the elastic forces (energy norm), evaluated anew from the stiffness.
     pub residual: f64,
+    /// As that of a [`Point`].
+    pub energy_error: f64,
 }
 
 /// Follows the response to a force of amplitude `force` (N) along `row`; `observe` hears of every point and may stop the run.
@@ -199,6 +204,7 @@ pub fn resonances<F: PointwiseForce>(
             after: index,
             omega: unknown.at(Parameter::Square).sqrt(),
             residual: converged.residual.max(system.imbalance(&unknown)),
+            energy_error: system.energy_error(&unknown, &converged.evaluation),
             displacement: unknown.v,
         }));
     }
@@ -303,14 +309,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
         let [from, to] = self.settings.range;
         let direction = (to - from).signum();
         let (mut here, found) = self.first(from)?;
-        let mut report = |unknown: &Unknown, found: &Converged, points: &mut Vec<Point>| {
-            let point = Point {
-                omega: unknown.at(Parameter::Square).sqrt(),
-                displacement: unknown.v.clone(),
-                residual: found.residual,
-                drift: found.drift,
-                turns: false,
-            };
+        let mut report = |point: Point, points: &mut Vec<Point>| {
             let flow = observe(&point);
             points.push(point);
             if flow.is_break() {
@@ -319,7 +318,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
                 Ok(())
             }
         };
-        report(&here, &found, points)?;
+        report(self.point(&here, &found), points)?;
         // The first step is one of the frequency alone.
         let mut step = FIRST;
         let mut tangent: Option<Tangent> = None;
@@ -375,13 +374,13 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
                         let mut last = next.clone();
                         *last.at_mut(Parameter::Square) = to * to;
                         match self.correct(&mut last, None) {
-                            Ok(found) => report(&last, &found, points)?,
+                            Ok(found) => report(self.point(&last, &found), points)?,
                             Err(failure) if failure.reason == Reason::Interrupted => return Err(Stop::Interrupted),
-                            Err(_) => report(&next, &found, points)?,
+                            Err(_) => report(self.point(&next, &found), points)?,
                         }
                         return Ok(());
                     }
-                    report(&next, &found, points)?;
+                    report(self.point(&next, &found), points)?;
                     mark_turns(points);
                     if direction * (omega - from) < -1e-9 * from {
                         return Err(Failure {
@@ -407,6 +406,17 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
             history: Vec::new(),
         }
         .into())
+    }
+
+    fn point(&self, unknown: &Unknown, found: &Converged) -> Point {
+        Point {
+            omega: unknown.at(Parameter::Square).sqrt(),
+            displacement: unknown.v.clone(),
+            residual: found.residual,
+            drift: found.drift,
+            energy_error: self.system.energy_error(unknown, &found.evaluation),
+            turns: false,
+        }
     }
 
     /// The point at the first frequency, under a force that grows where the whole one at once is too much.

@@ -25,6 +25,7 @@ use cqsma_solver::Linearisation;
 use cqsma_solver::sensitivity::ParameterRate;
 use dense_algebra::{Inverse, Packed, Vector};
 use faer::{Mat, MatRef};
+use std::f64::consts::PI;
 
 /// Denominators of modes closer to resonance than this, relative to their eigenvalue, are kept away from zero.
 const CLOSEST: f64 = 1e-3;
@@ -472,6 +473,17 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         let omega = unknown.at(Parameter::Square).max(0.0).sqrt();
         self.add_damping(&unknown.v, &unknown.p, &self.inertia(&unknown.v), omega, &mut force);
         force.work(&unknown.v)
+    }
+
+    /// What the forces of a driven motion take over a period less what its force gives, relative to the energy of the first harmonic: `4 pi` times a
+    /// damping ratio.
+    pub(crate) fn energy_error(&self, unknown: &Unknown, evaluation: &Evaluation) -> f64 {
+        let sine: f64 = unknown.v.column(2).iter().zip(self.row).map(|(v, e)| v * e).sum();
+        let supplied = PI * unknown.at(Parameter::Force) * sine;
+        let taken = evaluation.contact.work(&unknown.v) + self.viscous_work(unknown);
+        let ([c, s], [mc, ms]) = (unknown.v.pair(1), evaluation.inertia.pair(1));
+        let square: f64 = c.iter().zip(mc).chain(s.iter().zip(ms)).map(|(v, m)| v * m).sum();
+        (taken - supplied).abs() / (2.0 * PI * unknown.at(Parameter::Square) * square)
     }
 
     /// The residual's energy norm with the stiffness itself in the place of what was carried along, relative to that of the first

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-const STAGES: [Stage; 13] = [
+const STAGES: [Stage; 14] = [
     Stage::Mesh,
     Stage::Assemble,
     Stage::Factor,
@@ -17,6 +17,7 @@ const STAGES: [Stage; 13] = [
     Stage::Methods,
     Stage::Epmc,
     Stage::Forced,
+    Stage::Random,
     Stage::Ensemble,
     Stage::Transient,
 ];

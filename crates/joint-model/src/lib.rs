@@ -61,14 +61,37 @@ pub struct MeshedBodies {
     pub response_node: u32,
     /// Direction there.
     pub response_direction: [f64; 3],
-    /// Where and in which direction forced responses are excited, if it is not the response.
-    pub excitation: Option<(u32, [f64; 3])>,
+    /// What drives it in analyses beside a force at the response, in the order of the scene's drivers.
+    pub excitations: Vec<Excited>,
     /// Pairs of interface nodes that were moved; none where all nodes coincide in pairs.
     pub moved_pairs: Option<MovedPairs>,
     /// Linear elements that were made quadratic; none where the elements have the order that they were meshed in.
     pub raised: Option<RaisedElements>,
     /// Rigid motions that cost no energy when the interface sticks: six of a free structure, none of one that is clamped.
     pub rigid_motions: usize,
+}
+
+/// What drives bodies of finite elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Excited {
+    /// A force at a node along a direction.
+    Force {
+        /// The node.
+        node: u32,
+        /// The direction.
+        direction: [f64; 3],
+    },
+    /// All supports move along a direction.
+    Base([f64; 3]),
+}
+
+/// What drives a structure that comes as matrices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExcitedRow {
+    /// Of a force the displacement that it works on, as a row over the coordinates; of a moving base the momentum per velocity (kg).
+    pub row: Vec<f64>,
+    /// Of a moving base, the displacement at the response point when everything moves with it by one; none of a force.
+    pub carried: Option<f64>,
 }
 
 /// A part of an interface: where two bodies touch. Parts lie side by side in the plane of the interface.
@@ -198,8 +221,8 @@ pub struct ImportedBodies {
     pub relative: RelativeSystem,
     /// Row of the response displacement.
     pub response: Vec<f64>,
-    /// Row of the displacement along the force of forced responses, if it is not the response.
-    pub excitation: Option<Vec<f64>>,
+    /// What drives it in analyses beside a force at the response, in the order of the scene's drivers.
+    pub excitations: Vec<ExcitedRow>,
     /// Whether the coordinates came over the jump, so that a reduction has been made already and all are retained.
     pub is_reduced: bool,
     /// Zero-energy modes that the structure with a stuck interface should have.

@@ -114,6 +114,17 @@ pub enum Error {
         /// Rigid motions.
         found: usize,
     },
+    /// A base is to move that does not hold the structure.
+    #[error(
+        "{field} moves the supports, but {rigid_motions} rigid motions of the structure are free of them; hold it (structure.mesh.supports, \
+         *BOUNDARY in a deck), or ask for a force"
+    )]
+    FreeBase {
+        /// Field that asks for it.
+        field: &'static str,
+        /// Rigid motions.
+        rigid_motions: usize,
+    },
     /// A bolt that does not fit the mesh.
     #[error("bolt `{bolt}`: {reason}")]
     Bolt {
@@ -269,7 +280,7 @@ impl Error {
         match self {
             Self::Scene(error) => error.field(),
             Self::MeshScene { field, .. } => Some(field),
-            Self::NodeSet { field, .. } => Some(field),
+            Self::NodeSet { field, .. } | Self::FreeBase { field, .. } => Some(field),
             Self::NotRaisable { .. } => Some("model.element_order"),
             Self::Parameters { .. } => Some("interfaces.surface.parameters"),
             Self::Bolt { .. } => Some("structure.mesh.bolts"),

@@ -27,6 +27,8 @@ pub enum Stage {
     Epmc,
     /// Forced responses (skipped when none is asked for).
     Forced,
+    /// Stationary random vibration (skipped when none is asked for).
+    Random,
     /// Realisations of an ensemble (skipped when none is asked for).
     Ensemble,
     /// A motion followed in time (skipped when none is asked for).
@@ -48,6 +50,7 @@ impl Stage {
             Stage::Methods => "methods",
             Stage::Epmc => "epmc",
             Stage::Forced => "forced",
+            Stage::Random => "random",
             Stage::Ensemble => "ensemble",
             Stage::Transient => "transient",
         }

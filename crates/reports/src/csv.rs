@@ -326,8 +326,13 @@ pub fn forced(levels: &[ForcedSummary]) -> Result<String, Error> {
         .flat_map(|level| level.harmonics.iter().map(Vec::len))
         .max();
     let highest = highest.unwrap_or(0);
+    let level = format!(
+        "level [{}]",
+        levels.first().map_or("N", |level| level.level_unit.as_str())
+    );
+    let moves = levels.iter().any(|level| level.base.is_some());
     let first = [
-        "level [N]",
+        level.as_str(),
         "number",
         "frequency [Hz]",
         "amplitude [m]",
@@ -343,10 +348,26 @@ pub fn forced(levels: &[ForcedSummary]) -> Result<String, Error> {
             let before = [number(level.level), (i + 1).to_string(), frequency, amplitude, phase];
             let turns = level.turning_points.contains(&i).to_string();
             let row = before.into_iter().chain(above_the_first(harmonics, highest));
-            row.chain([residual, turns]).collect::<Vec<_>>()
+            let row = row.chain([residual, turns]);
+            let base = level.base.as_ref().map(|base| {
+                let [amplitude, transmissibility, phase] =
+                    [&base.amplitude, &base.transmissibility, &base.phase].map(|values| of(values));
+                let force = optional(base.support_force.get(i).copied().flatten());
+                [amplitude, transmissibility, phase, force]
+            });
+            let empty = (moves && base.is_none()).then(Default::default);
+            row.chain(base.or(empty).into_iter().flatten()).collect::<Vec<_>>()
         })
     });
-    table(headings.chain(["residual [-]", "turns"].map(str::to_owned)), rows)
+    let last = ["residual [-]", "turns"].into_iter();
+    let of_base = [
+        "amplitude_from_outside [m]",
+        "transmissibility [-]",
+        "phase_lag_from_outside [deg]",
+        "support_force [N]",
+    ];
+    let last = last.chain(of_base.into_iter().filter(|_| moves));
+    table(headings.chain(last.map(str::to_owned)), rows)
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@ pub mod parameters;
 pub mod periodic;
 mod phrases;
 pub mod plot;
+pub mod random;
 pub mod registry;
 pub mod ring_down;
 pub mod run;

@@ -37,7 +37,8 @@ epmc_*: free motions by EPMC, a row per mode and amplitude that converged. epmc_
 epmc_displacement [m] (first harmonic at the response point), epmc_frequency [Hz] (first harmonic), epmc_damping_ratio and
 epmc_damping_floor [-], epmc_dissipation [J], epmc_residual [-], epmc_share_of_harmonics [-] (a column per harmonic from the first
 on, amplitude over that of the first in the norm of the mass; 0 beyond epmc_harmonics, the highest one that was solved for).
-forced_*: forced responses, a row per point along the curve of each level. forced_level [N], forced_frequency [Hz],
+forced_*: forced responses, a row per point along the curve of each level. forced_level [N], or of moving
+supports [m/s^2], forced_frequency [Hz],
 forced_amplitude [m] (first harmonic at the response point), forced_phase [degrees behind the force], forced_harmonics [m] (a column per
 harmonic from the first on), forced_residual [-], forced_turning (1 where the frequency turns back, else 0).
 resonance_*: motions a quarter period behind the force. resonance_level [N], resonance_frequency [Hz], resonance_amplitude [m].
@@ -129,7 +130,7 @@ impl<'a> PeriodicMotions<'a> {
         for (index, level) in self.forced.iter().enumerate() {
             let points = level.frequency.iter().zip(&level.amplitude);
             curves.push(Curve {
-                name: named(index, n, || format!("{} N", short(level.level))),
+                name: named(index, n, || format!("{} {}", short(level.level), level.level_unit)),
                 points: numbered(points.map(|(f, a)| (*f, *a))),
                 ..solid(shade(index, n))
             });
@@ -457,7 +458,7 @@ fn named(index: usize, n: usize, name: impl FnOnce() -> String) -> String {
 }
 
 /// A number with four digits at most.
-fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     rounded.to_string()
 }

@@ -90,7 +90,7 @@ fn section(summary: &Summary, pictures: Vec<Picture<'static>>) -> Section {
         let unfound = level.resonances.iter().filter_map(|r| r.failure.as_ref());
         let unfound = unfound.map(|reason| format!("has a resonance that was not found: {reason}"));
         let said = failures.chain(unfound);
-        warnings.extend(said.map(|what| format!("The response to {} N {what}.", level.level)));
+        warnings.extend(said.map(|what| format!("The response to {} {} {what}.", level.level, level.level_unit)));
     }
     let remarks = stabilities(summary)
         .into_iter()
@@ -117,8 +117,9 @@ fn section(summary: &Summary, pictures: Vec<Picture<'static>>) -> Section {
 
 /// Resonance, peak and error of one mode alone, level by level.
 fn levels_table(levels: &[ForcedSummary]) -> Table {
+    let first = level_heading(levels);
     let headings = [
-        "force [N]",
+        &first,
         "resonance [Hz]",
         "amplitude there [m]",
         "largest amplitude [m]",
@@ -157,6 +158,15 @@ fn levels_table(levels: &[ForcedSummary]) -> Table {
     }
 }
 
+/// Heading of the levels, with their unit.
+fn level_heading(levels: &[ForcedSummary]) -> String {
+    let base = levels.iter().find(|level| level.base.is_some());
+    base.map_or_else(
+        || "force [N]".into(),
+        |level| format!("supports [{}]", level.level_unit),
+    )
+}
+
 /// A resonance as two cells: frequency and amplitude.
 fn cells(resonance: Option<&ResonanceSummary>) -> [String; 2] {
     let [f, a] = [
@@ -175,7 +185,11 @@ fn percent(value: f64) -> String {
 
 /// One line about a level, for the end of a run.
 fn line(level: &ForcedSummary) -> String {
-    let mut out = format!("force {} N: ", level.level);
+    let by = match level.base {
+        Some(_) => "supports moving with",
+        None => "force",
+    };
+    let mut out = format!("{by} {} {}: ", level.level, level.level_unit);
     for resonance in &level.resonances {
         let [frequency, amplitude] = cells(Some(resonance));
         let _ = write!(out, "resonance {frequency} Hz, {amplitude} m; ");
@@ -221,7 +235,11 @@ fn files(run: &Run, motions: &PeriodicMotions<'_>) -> Result<(Vec<Output>, Vec<P
         let title = format!("{}: forced responses", run.scene.name);
         if let Some(picture) = motions.response_picture(&title)? {
             let caption = format!(
-                "Response to a harmonic force. Amplitude: {}.",
+                "Response to {}. Amplitude: {}.",
+                match motions.forced.iter().any(|level| level.base.is_some()) {
+                    true => "harmonic motion of the supports, against them",
+                    false => "a harmonic force",
+                },
                 plot::amplitude_label(motions.response)
             );
             add(FORCED_PICTURE.into(), picture, caption, &mut outputs);

@@ -1,13 +1,14 @@
 //! All analyses whose results are shown beside the backbone.
 
 use crate::analysis::Analysis;
-use crate::{ensemble, names, periodic, ring_down, sensitivity, tightening, uncertainty};
+use crate::{ensemble, names, periodic, random, ring_down, sensitivity, tightening, uncertainty};
 use analyses::results::summary::Summary;
 
 /// In the order of the page and of the terminal.
-pub static ANALYSES: [&Analysis; 6] = [
+pub static ANALYSES: [&Analysis; 7] = [
     &sensitivity::ANALYSIS,
     &periodic::ANALYSIS,
+    &random::ANALYSIS,
     &ring_down::ANALYSIS,
     &tightening::ANALYSIS,
     &ensemble::ANALYSIS,

@@ -4,6 +4,7 @@ use super::Parameter;
 use super::check::Check;
 use super::epmc::Epmc;
 use super::forced::Forced;
+use super::random::Random;
 use super::ring_down::RingDown;
 use super::tightening::Tightening;
 use super::units::Length;
@@ -28,9 +29,12 @@ pub struct Analyses {
     /// Free periodic motions by the extended periodic motion concept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub epmc: Option<Epmc>,
-    /// Responses to harmonic forces.
+    /// Responses to harmonic forces, or to harmonic motion of the supports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub forced: Option<Forced>,
+    /// Stationary random vibration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub random: Option<Random>,
     /// Free decay in time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ring_down: Option<RingDown>,

@@ -10,7 +10,7 @@ const ALWAYS: [&str; 2] = ["modes", "tightening"];
 
 impl Scene {
     /// The scene with some of the analyses that it asks for, by the names of their blocks. Bolts are tightened as it says all the same; with
-    /// `sensitivities` goes the backbone that they belong to.
+    /// `sensitivities` and `random` goes the backbone that they belong to.
     ///
     /// # Errors
     /// [`Error::NotAsked`] for the name of none that it asks for.
@@ -31,7 +31,7 @@ impl Scene {
             });
         }
         let is_named = |name: &str| names.iter().any(|named| named == name);
-        let keeps_loops = is_named("backbone") || is_named("sensitivities");
+        let keeps_loops = is_named("backbone") || is_named("sensitivities") || is_named("random");
         // Of the backbone, settings that the static state has too are kept.
         analyses.retain(|name, _| ALWAYS.contains(&name.as_str()) || name == "backbone" || is_named(name));
         if !keeps_loops {

@@ -1,8 +1,9 @@
-//! Responses to harmonic forces.
+//! Responses to harmonic forces, and to harmonic motion of the supports.
 
 use super::check::Check;
 use super::epmc::sampling;
-use super::units::Force;
+use super::excitation::{Excitation, PointFields, check_base, check_point, point};
+use super::units::{Acceleration, Force};
 use crate::Error;
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +18,28 @@ pub struct Rayleigh {
     pub stiffness: f64,
 }
 
-/// Responses to a harmonic force: at the response point in its direction, unless `node` and `direction` or `terms` say otherwise.
+/// Names of the fields that say where the force acts.
+pub(super) const POINT: PointFields = PointFields {
+    node: "analyses.forced.node",
+    direction: "analyses.forced.direction",
+    terms: "analyses.forced.terms",
+};
+
+/// Harmonic motion of all supports together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ForcedBase {
+    /// Direction of the motion, a unit vector.
+    pub direction: [f64; 3],
+    /// In matrices whose coordinates do not show it, how these move when everything moves by one: label, component, factor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion: Option<Vec<(i64, u32, f64)>>,
+    /// Amplitudes of its acceleration (acceleration; texts: `m/s^2`, `g`).
+    pub levels: Vec<Acceleration>,
+}
+
+/// Responses to a harmonic force, or to harmonic motion of the supports. A force acts at the response point in its direction, unless `node` and `direction` or `terms` say otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -34,7 +56,11 @@ pub struct Forced {
     /// Proportional damping beside `background_damping`: factors of the mass (1/s) and of the stiffness without contact (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rayleigh: Option<Rayleigh>,
+    /// All supports move alike, in the place of a force.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base: Option<ForcedBase>,
     /// Amplitudes of the force (force).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub levels: Vec<Force>,
     /// First frequency (Hz).
     pub from_hz: f64,
@@ -65,6 +91,7 @@ impl Forced {
             direction: None,
             terms: None,
             rayleigh: None,
+            base: None,
             levels,
             from_hz,
             to_hz,
@@ -98,55 +125,69 @@ fn frequency_step() -> f64 {
 }
 
 impl Forced {
+    /// What drives the structure.
+    pub fn excitation(&self) -> Excitation {
+        match &self.base {
+            Some(base) => Excitation::Base {
+                direction: base.direction,
+                motion: base.motion.clone(),
+            },
+            None => point(self.node.as_ref(), self.direction, self.terms.as_ref()),
+        }
+    }
+
+    /// Amplitudes of the force (N), or of the acceleration of the supports (m/s^2).
+    pub fn levels(&self) -> Vec<f64> {
+        match &self.base {
+            Some(base) => base.levels.iter().map(|level| level.si()).collect(),
+            None => self.levels.iter().map(|level| level.si()).collect(),
+        }
+    }
+
+    /// Unit of the levels.
+    pub fn unit(&self) -> &'static str {
+        match self.base {
+            Some(_) => Acceleration::SI_SYMBOL,
+            None => Force::SI_SYMBOL,
+        }
+    }
+
     /// Refuses values outside their ranges.
-    pub(super) fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
+    pub(super) fn validate(&self, check: &Check<'_>, is_matrices: bool) -> Result<(), Error> {
         sampling(
             check,
             ["analyses.forced.harmonics", "analyses.forced.samples"],
             self.harmonics,
             self.samples,
         )?;
-        let both = self.node.is_some() == self.direction.is_some();
-        let (node, terms) = (f64::from(u8::from(self.node.is_some())), self.terms.is_some());
-        check.that(
-            both,
-            "analyses.forced.node",
-            node,
-            "(given)",
-            "given together with analyses.forced.direction",
-        )?;
-        let one = !terms || self.node.is_none();
-        check.that(
-            one,
-            "analyses.forced.terms",
-            1.0,
-            "(given)",
-            "left out where analyses.forced.node is given",
-        )?;
-        if let Some(direction) = self.direction {
-            let length = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
-            let unit = (length - 1.0).abs() < 1e-6;
-            check.that(unit, "analyses.forced.direction", length, "(length)", "a unit vector")?;
+        check_point(check, &POINT, self.node.as_ref(), self.direction, self.terms.as_ref())?;
+        if let Some(base) = &self.base {
+            let fields = ["analyses.forced.base.direction", "analyses.forced.base.motion"];
+            check_base(check, fields, (&base.direction, base.motion.as_ref()), is_matrices)?;
+            let alone = self.levels.is_empty()
+                && point(self.node.as_ref(), self.direction, self.terms.as_ref()) == Excitation::Response;
+            check.that(
+                alone,
+                "analyses.forced.base",
+                1.0,
+                "(given)",
+                "given without node, direction, terms and levels of a force; its own levels are accelerations",
+            )?;
         }
         if let Some(rayleigh) = self.rayleigh {
             check.not_negative("analyses.forced.rayleigh.mass", rayleigh.mass, "1/s")?;
             check.not_negative("analyses.forced.rayleigh.stiffness", rayleigh.stiffness, "s")?;
         }
-        for (_, _, factor) in self.terms.iter().flatten() {
-            let finite = factor.is_finite() && *factor != 0.0;
-            check.that(finite, "analyses.forced.terms", *factor, "", "finite and not zero")?;
-        }
-        let empty = self.terms.as_ref().is_some_and(Vec::is_empty);
-        check.that(!empty, "analyses.forced.terms", 0.0, "(terms)", "at least one")?;
+        let levels = self.levels();
         check.that(
-            !self.levels.is_empty(),
+            !levels.is_empty(),
             "analyses.forced.levels",
             0.0,
             "(levels)",
             "at least one",
         )?;
-        for level in &self.levels {
-            check.positive("analyses.forced.levels", level.si(), "N")?;
+        for level in levels {
+            check.positive("analyses.forced.levels", level, self.unit())?;
         }
         check.positive("analyses.forced.from_hz", self.from_hz, "Hz")?;
         check.positive("analyses.forced.to_hz", self.to_hz, "Hz")?;

@@ -9,6 +9,7 @@ mod check;
 pub mod distribution;
 mod epmc;
 mod error;
+mod excitation;
 mod finish;
 mod forced;
 mod former;
@@ -20,6 +21,7 @@ mod mesh;
 pub mod metric;
 mod parameter;
 mod parameter_values;
+mod random;
 mod refinement;
 mod ring_down;
 mod scale;
@@ -46,14 +48,16 @@ pub use bolts::{Assembly, BoltBehaviour, Bolts, ThreadSize};
 pub use distribution::{Marginal, Shape};
 pub use epmc::{AmplitudeRange, Amplitudes, Epmc, SamplingAccuracy};
 pub use error::{Error, behind_semicolon, quantity};
+pub use excitation::{BaseMotion, Driver, Excitation, PointForce};
 pub use finish::{Finish, FinishFace, Lengths, PowerLaw, Route};
-pub use forced::{Forced, Rayleigh};
+pub use forced::{Forced, ForcedBase, Rayleigh};
 pub use interfaces::{Interfaces, OwnInterface};
 pub use json::{parse as parse_json, read as read_json, without_comments};
 pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
 pub use material::Material;
 pub use mesh::{BoltSeat, MeshBolt, MeshFile, MeshInterface, MeshResponse, MeshSupport, MeshTie};
 pub use parameter::{Influence, Parameter};
+pub use random::Random;
 pub use refinement::refined;
 pub use ring_down::{RingDown, Strike};
 pub use scale::Scale;
@@ -74,8 +78,8 @@ pub use uncertain::{
     Distribution, Lognormal, Normal, NumberOrText, SamplingMethod, TIGHTENING_SIGMAS, TighteningMethod, Uncertain,
 };
 pub use units::{
-    Area, ArealDensity, ContactStiffness, Density, Dimension, Force, Length, Mass, ModalAmplitude, Quantity, Stress,
-    SurfaceEnergy, Torque, Unit, Units, dimension,
+    Acceleration, AccelerationDensity, Area, ArealDensity, ContactStiffness, Density, Dimension, Force, ForceDensity,
+    Length, Mass, ModalAmplitude, Quantity, Stress, SurfaceEnergy, Torque, Unit, Units, dimension,
 };
 pub use upgrade::upgraded;
 

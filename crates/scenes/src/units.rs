@@ -24,7 +24,7 @@ const fn unit(symbol: &'static str, si: f64) -> Unit {
     Unit { symbol, si }
 }
 
-/// Standard acceleration of gravity (m/s^2), which defines the pound-force.
+/// Standard acceleration of gravity (m/s^2), which also defines the pound-force.
 const GRAVITY: f64 = 9.80665;
 /// Avoirdupois pound (kg).
 const POUND: f64 = 0.453_592_37;
@@ -112,6 +112,18 @@ const CONTACT_STIFFNESSES: [Unit; 6] = [
     unit("psi/in", POUND_FORCE / (INCH * INCH * INCH)),
 ];
 
+const ACCELERATIONS: [Unit; 4] = [
+    unit("m/s^2", 1.0),
+    unit("mm/s^2", 1e-3),
+    unit("g", GRAVITY),
+    unit("in/s^2", INCH),
+];
+const ACCELERATION_DENSITIES: [Unit; 3] = [
+    unit("(m/s^2)^2/Hz", 1.0),
+    unit("(mm/s^2)^2/Hz", 1e-6),
+    unit("g^2/Hz", GRAVITY * GRAVITY),
+];
+const FORCE_DENSITIES: [Unit; 2] = [unit("N^2/Hz", 1.0), unit("lbf^2/Hz", POUND_FORCE * POUND_FORCE)];
 const MODAL_AMPLITUDES: [Unit; 2] = [unit("sqrt(kg) m", 1.0), unit("sqrt(t) mm", 0.031_622_776_601_683_79)];
 const SURFACE_ENERGIES: [Unit; 3] = [unit("J/m^2", 1.0), unit("mJ/m^2", 1e-3), unit("N/m", 1.0)];
 
@@ -171,6 +183,12 @@ dimensions! {
     ArealDensity, OfArealDensity, "number per area", [-2, 0, 0], AREAL_DENSITIES;
     /// Energy per area (J/m^2).
     SurfaceEnergy, OfSurfaceEnergy, "energy per area", [0, 1, -2], SURFACE_ENERGIES;
+    /// Acceleration (m/s^2).
+    Acceleration, OfAcceleration, "acceleration", [1, 0, -2], ACCELERATIONS;
+    /// Power spectral density of an acceleration ((m/s^2)^2/Hz).
+    AccelerationDensity, OfAccelerationDensity, "spectral density of acceleration", [2, 0, -3], ACCELERATION_DENSITIES;
+    /// Power spectral density of a force (N^2/Hz).
+    ForceDensity, OfForceDensity, "spectral density of force", [2, 2, -3], FORCE_DENSITIES;
     /// Amplitude of a mass-normalised mode (sqrt(kg) m).
     ModalAmplitude, OfModalAmplitude, "modal amplitude", [1, 0, 0], MODAL_AMPLITUDES, ROOT_OF_MASS = true;
 }
@@ -191,6 +209,9 @@ impl<D> Quantity<D> {
 }
 
 impl<D: Dimension> Quantity<D> {
+    /// Symbol of its SI unit.
+    pub const SI_SYMBOL: &'static str = D::UNITS[0].symbol;
+
     /// From a number in the units of the file that is being read.
     pub fn in_units(number: f64) -> Self {
         let units = Units::in_use();

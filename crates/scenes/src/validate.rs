@@ -2,9 +2,12 @@
 
 use crate::check::{Check, is_positive};
 use crate::error::Error;
+use crate::excitation::check_structure;
+use crate::forced;
 use crate::law::{Bins, RadialRule};
 use crate::material::Material;
 use crate::mesh::MeshFile;
+use crate::random;
 use crate::scale::Scale;
 use crate::scene::Scene;
 use crate::structure::{ContactPoint, Deck};
@@ -406,24 +409,17 @@ impl Scene {
         if let Some(ring_down) = &self.analyses.ring_down {
             ring_down.validate(check)?;
         }
-        if let Some(forced) = &self.analyses.forced {
-            forced.validate(check)?;
-            let matrices = self.structure.matrices().is_some();
-            let given = forced.node.is_some() || forced.terms.is_some();
-            check.that(
-                self.structure.benchmark().is_none() || !given,
-                "analyses.forced.node",
-                1.0,
-                "(given)",
-                "left out on a benchmark, whose force acts at the response point",
-            )?;
-            check.that(
-                matrices || forced.terms.is_none(),
-                "analyses.forced.terms",
-                1.0,
-                "(given)",
-                "left out where the structure is not given as matrices",
-            )?;
+        let source = [
+            self.structure.benchmark().is_some(),
+            self.structure.matrices().is_some(),
+        ];
+        if let Some(asked) = &self.analyses.forced {
+            asked.validate(check, source[1])?;
+            check_structure(check, &forced::POINT, &asked.excitation(), source)?;
+        }
+        if let Some(asked) = &self.analyses.random {
+            asked.validate(check, self.analyses.backbone.amplitudes, source[1])?;
+            check_structure(check, &random::FORCE, &asked.excitation(), source)?;
         }
         for number in self.fields_at() {
             check.that(

@@ -11,6 +11,7 @@ use crate::error_estimate::ErrorEstimate;
 use crate::forced::ForcedSummary;
 use crate::mesh_error::MeshEstimate;
 use crate::methods::MethodPoint;
+use crate::random::RandomSummary;
 use crate::ring_down::RingDownSummary;
 use crate::uncertainty::Uncertainty;
 use crate::validity::Validity;
@@ -24,7 +25,7 @@ use joint_model::benchmark::Symmetry;
 use joint_model::quadratic::RaisedElements;
 use joints::interface::{LawReport, PartReport};
 use joints::structure::Overview;
-use scenes::{BoltBehaviour, EPMC, PRESETS, Preset, Scene, StructureSource, TorqueReport};
+use scenes::{BoltBehaviour, EPMC, Forced, PRESETS, Preset, Scene, StructureSource, TorqueReport};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
@@ -111,6 +112,12 @@ pub struct Summary {
     /// Forced responses, level by level; empty unless asked for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub forced: Vec<ForcedSummary>,
+    /// Stationary random vibration, level by level; empty unless asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub random: Vec<RandomSummary>,
+    /// Why there is none although it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub random_failure: Option<String>,
     /// Free decay in time; left out unless asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ring_down: Option<RingDownSummary>,
@@ -444,7 +451,19 @@ impl Summary {
             adaptation: run.adaptation.clone(),
             error_estimate: None,
             mesh_estimate: None,
-            forced: run.vibration.forced.iter().flatten().map(ForcedSummary::of).collect(),
+            forced: run
+                .vibration
+                .forced
+                .iter()
+                .flatten()
+                .map(|level| ForcedSummary::of(level, run.scene.analyses.forced.as_ref().map_or("N", Forced::unit)))
+                .collect(),
+            random: random(run),
+            random_failure: run
+                .vibration
+                .random
+                .as_ref()
+                .and_then(|found| found.as_ref().err().map(ToString::to_string)),
             ring_down: run.vibration.ring_down.as_ref().map(RingDownSummary::of),
             validity: run.validity().clone(),
             skipped: skipped(run),
@@ -509,10 +528,26 @@ impl Summary {
             error_estimate: None,
             mesh_estimate: None,
             forced: Vec::new(),
+            random: Vec::new(),
+            random_failure: None,
             ring_down: None,
             ..self.clone()
         }
     }
+}
+
+/// Stationary random vibration of a run.
+fn random(run: &Run) -> Vec<RandomSummary> {
+    let (Some(Ok(levels)), Some(asked)) = (&run.vibration.random, &run.scene.analyses.random) else {
+        return Vec::new();
+    };
+    let names: Vec<String> = run.parts.iter().map(|part| part.name.clone()).collect();
+    let area = run.interface.operators().area();
+    let unit = asked.load_unit();
+    levels
+        .iter()
+        .map(|level| RandomSummary::of(level, unit, &names, area))
+        .collect()
 }
 
 /// What the scene does not require, and is therefore not computed, not stored or not modelled.

@@ -9,6 +9,7 @@ mod calibration;
 mod deck;
 mod effects;
 mod errors;
+mod excitations;
 mod finish;
 mod friction;
 mod full_size;

@@ -84,12 +84,12 @@ impl Box3 {
 }
 
 /// Two plates that overlap by 80 mm of their 120 mm, the upper one meshed with `upper` elements, the lower one with `lower`.
-struct Lap {
+pub(crate) struct Lap {
     mesh: Mesh,
     faces: Vec<Group<Face>>,
 }
 
-fn lap(upper: [usize; 3], lower: [usize; 3]) -> Lap {
+pub(crate) fn lap(upper: [usize; 3], lower: [usize; 3]) -> Lap {
     let materials = ["upper", "lower"].map(|name| Material {
         name: name.into(),
         youngs_modulus: 1.0,
@@ -122,18 +122,25 @@ fn lap(upper: [usize; 3], lower: [usize; 3]) -> Lap {
         group("lower face", bottom.faces(of_bottom, true, |_| true)),
         group("head", top.faces(of_top, true, seat)),
         group("nut", bottom.faces(of_bottom, false, seat)),
+        group("foot", bottom.faces(of_bottom, false, |x| x < 0.02 - 1e-9)),
     ];
     Lap { mesh, faces }
 }
 
 impl Lap {
-    fn write(&self, path: &Path) {
+    pub(crate) fn write(&self, path: &Path) {
         let text = gmsh::write(&self.mesh, &self.faces, &[]).expect("a mesh");
         std::fs::write(path, text).expect("a temporary file");
     }
 }
 
-fn scene(path: &Path, interface: Value, change: impl Fn(&mut Value)) -> Scene {
+pub(crate) fn scene(path: &Path, interface: Value, change: impl Fn(&mut Value)) -> Scene {
+    let value = document(path, interface, change);
+    Scene::from_json(&value.to_string(), "lap.json", "lap", &BENCHMARKS).expect("a scene")
+}
+
+/// Its file.
+pub(crate) fn document(path: &Path, interface: Value, change: impl Fn(&mut Value)) -> Value {
     let mut value = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "mesh": {
@@ -158,10 +165,10 @@ fn scene(path: &Path, interface: Value, change: impl Fn(&mut Value)) -> Scene {
         } },
     });
     change(&mut value);
-    Scene::from_json(&value.to_string(), "lap.json", "lap", &BENCHMARKS).expect("a scene")
+    value
 }
 
-fn named() -> Value {
+pub(crate) fn named() -> Value {
     json!({ "top": "upper face", "bottom": "lower face" })
 }
 

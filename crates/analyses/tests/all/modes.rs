@@ -96,7 +96,7 @@ fn bar(along: usize, angle: f64) -> Structure {
         },
         response_node: 0,
         response_direction: [1.0, 0.0, 0.0],
-        excitation: None,
+        excitations: Vec::new(),
         moved_pairs: None,
         raised: None,
         rigid_motions: 6,

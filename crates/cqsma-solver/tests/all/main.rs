@@ -3,6 +3,7 @@
 mod exact_answers;
 mod frictional_bar;
 mod methods;
+mod random;
 mod robustness;
 mod sensitivity;
 mod transient;

@@ -1,5 +1,6 @@
 //! Structures from input decks of Abaqus and CalculiX.
 
+use super::excited::{excited, require_held};
 use super::facing::{Facing, Surfaces};
 use super::material::material;
 use super::rigid_motions::rigid_motions;
@@ -16,11 +17,7 @@ use scenes::{Deck, DeckBolt, Length, MaterialSource, Scene, Untied};
 /// # Errors
 /// Of the deck; [`Error::Facing`], [`Error::NotRaisable`].
 pub(super) fn joint(source: &Deck, scene: &Scene, notes: &mut dyn FnMut(&str)) -> Result<Joint, Error> {
-    let (model, masses, forced) = (
-        &scene.model,
-        &scene.structure.point_masses,
-        scene.analyses.forced.as_ref(),
-    );
+    let (model, masses) = (&scene.model, &scene.structure.point_masses);
     let order = scene.element_order();
     let (length, mass) = (source.units.length_in_si(), source.units.mass_in_si());
     let choices = Choices {
@@ -97,10 +94,7 @@ pub(super) fn joint(source: &Deck, scene: &Scene, notes: &mut dyn FnMut(&str)) -
         })
         .collect::<Result<_, Error>>()?;
     let response_node = named_node(&deck, "structure.deck.response.node", &source.response.node)?;
-    let excitation = match forced.and_then(|forced| Some((forced.node.as_deref()?, forced.direction?))) {
-        None => None,
-        Some((node, direction)) => Some((named_node(&deck, "analyses.forced.node", node)?, direction)),
-    };
+    let excitations = excited(scene, |field, node| named_node(&deck, field, node))?;
     for point in masses {
         // Decks name the nodes of all masses.
         let name = point.node.as_deref().unwrap_or_default();
@@ -141,12 +135,13 @@ pub(super) fn joint(source: &Deck, scene: &Scene, notes: &mut dyn FnMut(&str)) -
         }
     };
     let rigid_motions = rigid_motions(&assembly, &facing.sides)?;
+    require_held(scene, rigid_motions)?;
     let bodies = MeshedBodies {
         assembly,
         sides: facing.sides,
         response_node,
         response_direction: source.response.direction,
-        excitation,
+        excitations,
         moved_pairs: facing.moved,
         raised,
         rigid_motions,

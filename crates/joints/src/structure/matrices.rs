@@ -1,13 +1,16 @@
 //! Structures that come as matrices of other programs.
 
+use super::excited::require_held;
 use super::matrix_contents::{Contents, File};
 use crate::Error;
 use finite_elements::sparse::{multiply_vector, submatrix};
 use joint_model::fit::Fit;
-use joint_model::{Bodies, ImportedBodies, Joint};
+use joint_model::{Bodies, ExcitedRow, ImportedBodies, Joint};
 use matrix_files::value::Dof;
 use reduction::{RelativeSystem, SystemMatrices};
-use scenes::{BoltBehaviour, Bolts, ContactPoint, Coordinates, Forced, Length, Matrices, MatrixVector, Sides};
+use scenes::{
+    BoltBehaviour, Bolts, ContactPoint, Coordinates, Excitation, Length, Matrices, MatrixVector, Scene, Sides,
+};
 use sprs::CsMat;
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -23,12 +26,7 @@ const MOST_BOLTS: usize = 1000;
 ///
 /// # Errors
 /// Of the files; [`Error::Matrices`] for what does not fit together; of the change of coordinates.
-pub(super) fn joint(
-    source: &Matrices,
-    bolts: &Bolts,
-    forced: Option<&Forced>,
-    notes: &mut dyn FnMut(&str),
-) -> Result<Joint, Error> {
+pub(super) fn joint(source: &Matrices, scene: &Scene, notes: &mut dyn FnMut(&str)) -> Result<Joint, Error> {
     let file = File { path: &source.path };
     let mut contents = file.contents(notes)?;
     let (length, unit_mass) = (source.units.length_in_si(), source.units.mass_in_si());
@@ -67,7 +65,7 @@ pub(super) fn joint(
     };
     let n_nodes = interface.nodes.len();
     let (loads, response) = (
-        vectors.loads(source.bolts.as_deref(), bolts)?,
+        vectors.loads(source.bolts.as_deref(), &scene.bolts)?,
         vectors.response(&source.response)?,
     );
     let system = SystemMatrices {
@@ -124,17 +122,38 @@ pub(super) fn joint(
             )
         }
     };
-    let excitation = match forced {
-        None => None,
-        Some(forced) => vectors.excitation(forced)?.map(|row| relative.row(&row)),
-    };
     let is_reduced = source.coordinates == Coordinates::Jump;
+    let zero_energy_modes = source.zero_energy_modes.unwrap_or(if is_reduced { 0 } else { 6 });
+    let mut excitations = Vec::new();
+    for driver in scene.analyses.drivers() {
+        let force = |row: Vec<f64>| ExcitedRow {
+            row: relative.row(&row),
+            carried: None,
+        };
+        excitations.push(match driver.excitation {
+            // Row 0, which is there already.
+            Excitation::Response => continue,
+            Excitation::Terms(terms) => force(vectors.terms(&terms)?),
+            Excitation::Node { node, direction } => force(vectors.at_node(driver.field, &node, direction)?),
+            Excitation::Base { direction, motion } => {
+                require_held(scene, zero_energy_modes)?;
+                let motion = match motion {
+                    Some(terms) => vectors.coordinates(&terms)?,
+                    None => vectors.translation(driver.field, direction, is_reduced)?,
+                };
+                ExcitedRow {
+                    row: relative.row(&multiply_vector(&mass, &motion)),
+                    carried: Some(response.iter().zip(&motion).map(|(a, b)| a * b).sum()),
+                }
+            }
+        });
+    }
     let bodies = ImportedBodies {
         response: relative.row(&response),
-        excitation,
+        excitations,
         relative,
         is_reduced,
-        zero_energy_modes: source.zero_energy_modes.unwrap_or(if is_reduced { 0 } else { 6 }),
+        zero_energy_modes,
         mass: if is_reduced {
             None
         } else {
@@ -319,17 +338,11 @@ impl Vectors<'_> {
         }
     }
 
-    /// What a force acts on, if it is not the response.
-    fn excitation(&self, forced: &Forced) -> Result<Option<Vec<f64>>, Error> {
-        if let Some(terms) = &forced.terms {
-            return self.terms(terms).map(Some);
-        }
-        let (Some(node), Some(direction)) = (&forced.node, forced.direction) else {
-            return Ok(None);
-        };
+    /// What a force at a node that `field` names acts on.
+    fn at_node(&self, field: &str, node: &str, direction: [f64; 3]) -> Result<Vec<f64>, Error> {
         let label: i64 = node.parse().map_err(|_| {
             self.file.fail(&format!(
-                "analyses.forced.node = \"{node}\" is no label of a node; give a whole number as text"
+                "{field} = \"{node}\" is no label of a node; give a whole number as text"
             ))
         })?;
         let terms: Vec<(i64, u32, f64)> = (1..)
@@ -337,7 +350,30 @@ impl Vectors<'_> {
             .filter(|(_, d)| *d != 0.0)
             .map(|(c, d)| (label, c, d))
             .collect();
-        self.terms(&terms).map(Some)
+        self.terms(&terms)
+    }
+
+    /// A translation of everything that the coordinates show.
+    fn translation(&self, field: &str, direction: [f64; 3], over_jump: bool) -> Result<Vec<f64>, Error> {
+        if over_jump || self.contents.lift.is_some() {
+            return Err(self.file.fail(&format!(
+                "{field} needs to know how its coordinates move when everything moves by one, and coordinates over the jump do not show it; give it as \
+                 {field}.motion, or the matrices over both sides"
+            )));
+        }
+        let along = |dof: &Dof| {
+            match *dof {
+            Dof::Nodal { component: component @ 1..=3, .. } => Ok(direction[component as usize - 1]),
+            Dof::Nodal { component: 4..=6, .. } => Ok(0.0),
+            _ => Err(self.file.fail(&format!(
+                "{field} needs to know how its coordinates move when everything moves by one, and {} component {} is no displacement or rotation of a \
+                 node; give it as {field}.motion",
+                dof.label(),
+                dof.component()
+            ))),
+        }
+        };
+        self.contents.dofs.iter().map(along).collect()
     }
 
     /// One row of a matrix whose columns were compared with the coordinates.
@@ -349,6 +385,20 @@ impl Vectors<'_> {
                 "it has no {what} number {number} (there are {count}); give another number, or terms"
             ))
         })
+    }
+
+    /// A vector over the coordinates.
+    fn coordinates(&self, terms: &[(i64, u32, f64)]) -> Result<Vec<f64>, Error> {
+        if self.contents.lift.is_some() {
+            return Err(self
+                .file
+                .fail("a motion of the base is not read with L; give the load as terms of a force"));
+        }
+        let mut vector = vec![0.0; self.contents.dofs.len()];
+        for &(label, component, factor) in terms {
+            vector[self.row(Dof::new(label, component))?] += factor;
+        }
+        Ok(vector)
     }
 
     fn terms(&self, terms: &[(i64, u32, f64)]) -> Result<Vec<f64>, Error> {

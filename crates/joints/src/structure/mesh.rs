@@ -1,6 +1,7 @@
 //! Structures from mesh files.
 
 use super::bolt::{Bolt, BoltGeometry, HeadContact, Placed, SIDES, SeatFacts};
+use super::excited::{excited, require_held};
 use super::facing::{Facing, Surfaces};
 use super::material::material;
 use super::rigid_motions::rigid_motions;
@@ -35,11 +36,7 @@ const MARGIN: f64 = 0.05;
 /// # Errors
 /// Of the file and its groups; [`Error::Facing`], [`Error::MeshScene`], [`Error::NotRaisable`], [`Error::Disconnected`].
 pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str)) -> Result<Joint, Error> {
-    let (model, masses, forced) = (
-        &scene.model,
-        &scene.structure.point_masses,
-        scene.analyses.forced.as_ref(),
-    );
+    let (model, masses) = (&scene.model, &scene.structure.point_masses);
     let mut file = SolidMesh::read(&source.path)?;
     file.notes.iter().for_each(|note| notes(note));
     let length = source.units.length_in_si();
@@ -69,10 +66,7 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
     find_neighbours(&mut seats, &placed);
     assembly.masses = super::masses::at_positions(&assembly.mesh.nodes, masses)?;
     let (response_node, direction) = file.response(&source.response)?;
-    let excitation = match forced.and_then(|forced| Some((forced.node.as_deref()?, forced.direction?))) {
-        None => None,
-        Some((node, direction)) => Some((file.named_node("analyses.forced.node", node)?, direction)),
-    };
+    let excitations = excited(scene, |field, node| file.named_node(field, node))?;
     let mut surfaces = Vec::new();
     for (number, interface) in (1..).zip(&source.interfaces) {
         surfaces.extend(file.surfaces(number, interface)?);
@@ -144,12 +138,13 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
     let joined = joined.joint();
     let position = assembly.mesh.nodes[response_node as usize];
     let rigid_motions = rigid_motions(&assembly, &joined.sides)?;
+    require_held(scene, rigid_motions)?;
     let bodies = MeshedBodies {
         assembly,
         sides: joined.sides,
         response_node,
         response_direction: direction,
-        excitation,
+        excitations,
         moved_pairs,
         raised,
         rigid_motions,

@@ -3,7 +3,7 @@
 use crate::Error;
 use finite_elements::assemble::System;
 use finite_elements::mesh::Dof;
-use joint_model::{Joint, MeshedBodies, Sides};
+use joint_model::{Excited, Joint, MeshedBodies, Sides};
 use reduction::{FacingNodes, InterfacePairs, RelativeSystem};
 use sprs::CsMat;
 use std::borrow::Cow;
@@ -31,8 +31,17 @@ impl Meshed {
                 .row(&self.system.dofs.force(&bodies.assembly, what, &terms)?))
         };
         let mut rows = vec![row("the response", (bodies.response_node, bodies.response_direction))?];
-        if let Some(excitation) = bodies.excitation {
-            rows.push(row("the force", excitation)?);
+        for excited in &bodies.excitations {
+            rows.push(match *excited {
+                Excited::Force { node, direction } => row("the force", (node, direction))?,
+                Excited::Base(direction) => {
+                    let mut momentum = vec![0.0; self.system.n_dofs()];
+                    for (along, share) in self.system.momenta.iter().zip(direction) {
+                        momentum.iter_mut().zip(along).for_each(|(sum, m)| *sum += share * m);
+                    }
+                    self.relative.row(&momentum)
+                }
+            });
         }
         Ok(rows)
     }

@@ -3,6 +3,7 @@
 pub mod bolt;
 mod deck;
 mod displacements;
+mod excited;
 pub mod export;
 mod facing;
 mod linear_interface;
@@ -51,6 +52,9 @@ const N_CHECKED: usize = 10;
 const LARGEST_DENSE: usize = 3000;
 const COUPLING_TOLERANCE: f64 = 1e-7;
 
+/// Rigid motions of benchmarks, which are free structures.
+const FREE: usize = 6;
+
 /// Zero-energy modes of the half of a free structure with the interface stuck: along x and z, and about y.
 const HALF_ZERO_ENERGY_MODES: usize = 3;
 
@@ -91,15 +95,14 @@ impl Structure {
         let notes = &mut |note: &str| progress.note(note);
         let masses = &scene.structure.point_masses;
         let joint = match &scene.structure.source {
-            StructureSource::Matrices(source) => {
-                matrices::joint(source, &scene.bolts, scene.analyses.forced.as_ref(), notes)?
-            }
+            StructureSource::Matrices(source) => matrices::joint(source, scene, notes)?,
             StructureSource::Deck(source) => deck::joint(source, scene, notes)?,
             StructureSource::Mesh(source) => mesh::joint(source, scene, notes)?,
             StructureSource::Benchmark(benchmark) => {
                 if model.symmetry == Symmetry::Half {
                     notes("only the half y >= 0 is modelled, which leaves out all modes that are not symmetric");
                 }
+                excited::require_held(scene, FREE)?;
                 let settings = MeshSettings {
                     refinement: model.refinement,
                     arm_layers: model.arm_layers,

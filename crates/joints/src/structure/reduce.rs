@@ -10,7 +10,7 @@ use crate::store::cache;
 use crate::store::key::{Key, KeyBuilder};
 use finite_elements::assemble::System;
 use finite_elements::mesh::Cell;
-use joint_model::{Bodies, ImportedBodies, MeshedBodies, Sides};
+use joint_model::{Bodies, Excited, ImportedBodies, MeshedBodies, Sides};
 use reduction::checks::{self, ReducedSpectrum};
 use reduction::{Limits, ReducedModel, RelativeSystem, Settings, Step, reduce};
 use sprs::CsMat;
@@ -152,7 +152,7 @@ impl Structure {
                 unstressed_frequencies_hz: Vec::new(),
                 penalty_frequencies_hz: Vec::new(),
                 penalty_error: f64::NAN,
-                ..model.facts
+                ..model.facts.clone()
             },
         }))
     }
@@ -201,7 +201,20 @@ impl Structure {
         let meshed = Meshed { system, relative };
         let rows = meshed.rows(bodies)?;
         let Meshed { system, relative } = meshed;
+        let along = |direction: &[f64; 3]| {
+            bodies
+                .response_direction
+                .iter()
+                .zip(direction)
+                .map(|(a, b)| a * b)
+                .sum()
+        };
+        let carried = bodies.excitations.iter().map(|excited| match excited {
+            Excited::Force { .. } => None,
+            Excited::Base(direction) => Some(along(direction)),
+        });
         Ok(Assembled {
+            carried: carried.collect(),
             relative: Cow::Owned(relative),
             rows,
             n_nodes: Some(bodies.assembly.mesh.nodes.len()),
@@ -284,6 +297,7 @@ impl Structure {
             penalty_frequencies_hz: full,
             penalty_error: error,
             coupling_tolerance: self.settings.coupling_tolerance,
+            carried: assembled.carried.clone(),
         })
     }
 
@@ -314,7 +328,9 @@ impl Structure {
                     key.numbers(matrix.data().iter().copied());
                 }
                 key.numbers(relative.loads.iter().flatten().chain(&bodies.response).copied());
-                key.numbers(bodies.excitation.iter().flatten().copied());
+                for excited in &bodies.excitations {
+                    key.numbers(excited.row.iter().chain(&excited.carried).copied());
+                }
                 key.text(&format!("{:?}", (relative.n_relative, bodies.mass)));
             }
             Bodies::Meshed(bodies) => {
@@ -339,10 +355,7 @@ impl Structure {
                     }
                 }
                 key.numbers(bodies.response_direction);
-                if let Some((node, direction)) = bodies.excitation {
-                    key.integers([u64::from(node)]);
-                    key.numbers(direction);
-                }
+                key.text(&format!("{:?}", bodies.excitations));
                 // Small parts, where a readable form costs nothing.
                 key.text(&format!(
                     "{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
@@ -365,8 +378,10 @@ impl Structure {
 /// A system in relative coordinates, and what is known of it.
 pub struct Assembled<'a> {
     pub(super) relative: Cow<'a, RelativeSystem>,
-    /// Quantities to recover: the response, and where forced responses are excited elsewhere the displacement along the force.
+    /// Quantities to recover: the response, then one for each excitation.
     pub(super) rows: Vec<Vec<f64>>,
+    /// Of excitations by moving supports, the displacement at the response point when everything moves with them by one.
+    pub(super) carried: Vec<Option<f64>>,
     pub(super) n_nodes: Option<usize>,
     pub(super) n_elements: Option<usize>,
     pub(super) mass: Option<f64>,
@@ -399,9 +414,10 @@ impl<'a> Assembled<'a> {
         Self {
             relative: Cow::Borrowed(&bodies.relative),
             rows: std::iter::once(&bodies.response)
-                .chain(&bodies.excitation)
+                .chain(bodies.excitations.iter().map(|excited| &excited.row))
                 .cloned()
                 .collect(),
+            carried: bodies.excitations.iter().map(|excited| excited.carried).collect(),
             n_nodes: None,
             n_elements: None,
             mass: bodies.mass,

@@ -26,6 +26,10 @@ pub struct Facts {
     /// What may be left out of the coupling between interfaces, relative to the largest; none of dense matrices.
     #[serde(default)]
     pub coupling_tolerance: Option<f64>,
+    /// For each excitation, whose recovery rows follow that of the response: of moving supports, the displacement at the response point when everything
+    /// moves with them by one; none of a force.
+    #[serde(default)]
+    pub carried: Vec<Option<f64>>,
 }
 
 /// A reduced structure.

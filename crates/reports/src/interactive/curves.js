@@ -147,7 +147,7 @@ function showForced(host, levels) {
   let log = true;
   const shade = (i) => COLOURS[i % COLOURS.length];
   const curves = levels.flatMap((level, i) => {
-    const name = `${readable(level.level)} N`;
+    const name = `${readable(level.level)} ${level.unit}`;
     const forced = { name, colour: shade(i), f: level.frequency_hz, amplitude: level.amplitude, phase: unwrapped(level.phase) };
     if (level.alone.length === 0) {
       return [forced];

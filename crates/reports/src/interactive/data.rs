@@ -81,8 +81,8 @@ pub(super) struct Band {
 /// The response to one level of force.
 #[derive(Debug, Serialize)]
 struct Level {
-    /// N
     level: f64,
+    unit: String,
     frequency_hz: Vec<f64>,
     /// m
     amplitude: Vec<f64>,
@@ -188,6 +188,7 @@ impl Document {
                 .zip(alone)
                 .map(|(level, alone)| Level {
                     level: level.level,
+                    unit: level.level_unit.clone(),
                     frequency_hz: level.frequency.clone(),
                     amplitude: level.amplitude.clone(),
                     phase: level.phase.clone(),

@@ -1,0 +1,566 @@
+//! Stationary random vibration of a scene's structure about its static state, from the backbones of the modes followed.
+
+use super::linearised::{Base, Drive, Linearised};
+use super::mode_backbone::ModeAnalysis;
+use super::vibration::{Start, VibrationAnalysis};
+use crate::Error;
+use cqsma_solver::HystereticForce;
+use cqsma_solver::random::{AmplitudeCurve, Equivalent, Oscillator, Spectrum, Squares, Transfer, dissipated_power};
+use joints::progress::{Stage, go_on};
+use joints::store::checkpoint::Checkpoints;
+use scenes::Random;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Largest share of `E[a^2]` that amplitudes beyond the backbone may have.
+const MOST_BEYOND: f64 = 0.05;
+
+/// Largest sum of the half-power widths of two modes over the distance of their frequencies.
+const MOST_OVERLAP: f64 = 0.3;
+
+/// Largest damping ratio of a narrow band.
+const MOST_DAMPING: f64 = 0.1;
+
+/// Largest ratio of the load's densities where the natural frequency wanders.
+const MOST_SLOPE: f64 = 1.5;
+
+/// How closely the flexibility under a slow load is found (energy norm).
+const STATIC: f64 = 1e-9;
+
+impl VibrationAnalysis for Random {
+    type Found = Result<Vec<RandomVibration>, RandomFailure>;
+
+    /// The stationary states at all levels.
+    fn run(&self, start: Start<'_>) -> Result<(Self::Found, Checkpoints), Error> {
+        let Start {
+            about, modes, progress, ..
+        } = start;
+        progress.begin(Stage::Random);
+        let drive = about.drive(&self.excitation());
+        let spectrum = Spectrum::try_new(self.psd.iter().map(|(f, s)| [*f, *s]).collect())?;
+        let found = match Followed::all(&about, &drive, modes) {
+            Err(failure) => Err(failure),
+            Ok(followed) => {
+                let vibrating = Vibrating::new(&about, &drive, followed)?;
+                let levels = self.levels.iter().zip(1..).map(|(&level, done)| {
+                    go_on(progress)?;
+                    let found = vibrating.at(level, &spectrum);
+                    progress.fraction(Stage::Random, f64::from(done) / self.levels.len() as f64);
+                    Ok(found)
+                });
+                Ok(levels.collect::<Result<_, Error>>()?)
+            }
+        };
+        progress.end(Stage::Random);
+        Ok((found, Checkpoints::default()))
+    }
+}
+
+/// Why there is no stationary state: a mode without a backbone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RandomFailure {
+    /// The mode, counted from 1.
+    pub mode: usize,
+    /// Its amplitudes with a damping ratio.
+    pub amplitudes: usize,
+}
+
+impl std::fmt::Display for RandomFailure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "mode {} has {} amplitudes with a resolved damping ratio, and random vibration needs two; follow it over larger amplitudes, or give \
+             background_damping",
+            self.mode, self.amplitudes
+        )
+    }
+}
+
+/// Stationary random vibration at a level.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RandomVibration {
+    /// Factor of the load's amplitude.
+    pub level: f64,
+    /// Root of the load's mean square.
+    pub rms_load: f64,
+    /// The modes: those followed first.
+    pub modes: Vec<RandomMode>,
+    /// Mean squares of the motion of the response point.
+    pub squares: Squares,
+    /// Frequencies (Hz) and densities of that motion.
+    pub densities: Vec<(f64, Squares)>,
+    /// Mean power that friction takes at each interface (W).
+    pub power: Vec<f64>,
+    /// Root of the mean square of the largest sliding anywhere (m).
+    pub rms_sliding: f64,
+    /// Whether what is assumed holds.
+    pub validity: RandomValidity,
+}
+
+/// A mode in stationary random vibration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RandomMode {
+    /// The mode, counted from 1.
+    pub mode: usize,
+    /// Whether frequency and damping are those of its backbone; otherwise those of the linear mode with the background damping alone.
+    pub follows_backbone: bool,
+    /// The oscillator that stands for it.
+    pub equivalent: Equivalent,
+    /// Root of the mean square of the displacement at the response point by this mode alone (m).
+    pub rms: f64,
+}
+
+/// Whether the assumptions of equivalent linearisation hold.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RandomValidity {
+    /// Whether all of them do.
+    pub holds: bool,
+    /// Largest share of a mode's mean square by amplitudes below and above its backbone, where the values at its ends are taken (-).
+    pub share_beyond_backbone: [f64; 2],
+    /// Root of the mean square of a natural frequency's deviation over its mean, the largest of all modes (-).
+    pub frequency_spread: f64,
+    /// Largest ratio of the load's densities within twice that about a mode (-).
+    pub load_slope: f64,
+    /// Largest sum of the half-power widths of two modes over the distance of their frequencies (-).
+    pub overlap: f64,
+    /// Share of the response point's flexibility under a slow load that the modes do not have; it answers statically (-); `null` where it was not found.
+    pub static_share: Option<f64>,
+    /// What does not hold, and what can be done.
+    pub reasons: Vec<String>,
+}
+
+/// A mode followed, as random vibration needs it.
+struct Followed {
+    /// From zero.
+    mode: usize,
+    curve: AmplitudeCurve,
+    /// Power that friction takes at each interface over the square of the amplitude, at the amplitudes of the curve (W/(kg m^2)).
+    power: Vec<Vec<f64>>,
+    /// Square of the largest sliding over that of the amplitude (1/kg).
+    sliding: Vec<f64>,
+    load: f64,
+    response: f64,
+}
+
+impl Followed {
+    fn all(about: &Linearised<'_>, drive: &Drive, modes: &[ModeAnalysis]) -> Result<Vec<Self>, RandomFailure> {
+        modes.iter().map(|mode| Self::of(about, drive, mode)).collect()
+    }
+
+    fn of(about: &Linearised<'_>, drive: &Drive, of: &ModeAnalysis) -> Result<Self, RandomFailure> {
+        let mode = of.mode - 1;
+        let background = about.scene.background_damping;
+        let mut points: Vec<[f64; 3]> = Vec::new();
+        let (mut power, mut sliding) = (Vec::<Vec<f64>>::new(), Vec::new());
+        for amplitude in &of.amplitudes {
+            let (Ok(result), Some(fields)) = (&amplitude.point.result, &amplitude.fields) else {
+                continue;
+            };
+            let (a, omega) = (result.modal_amplitude, result.harmonic_omega);
+            let friction = if result.is_resolved() {
+                result.harmonic_zeta()
+            } else {
+                0.0
+            };
+            let ascends = points.last().is_none_or(|before| a > before[0]);
+            if !(ascends && friction + background > 0.0) {
+                continue;
+            }
+            points.push([a, omega, friction + background]);
+            // Energy of a period over its duration.
+            let rate = omega / TAU / (a * a);
+            power.push(match fields.joints.as_slice() {
+                [] => vec![rate * fields.dissipation],
+                joints => joints.iter().map(|joint| rate * joint.dissipation).collect(),
+            });
+            sliding.push((fields.largest_sliding / a).powi(2));
+        }
+        let amplitudes = points.len();
+        let failure = RandomFailure {
+            mode: of.mode,
+            amplitudes,
+        };
+        let curve = AmplitudeCurve::try_new(&points).map_err(|_| failure)?;
+        if amplitudes < 2 {
+            return Err(failure);
+        }
+        let shape = about.line.shapes.col_as_slice(mode);
+        let along = |row: &[f64]| row.iter().zip(shape).map(|(a, b)| a * b).sum();
+        Ok(Self {
+            mode,
+            curve,
+            power: (0..power[0].len())
+                .map(|joint| power.iter().map(|of| of[joint]).collect())
+                .collect(),
+            sliding,
+            load: along(&drive.row),
+            response: along(about.response),
+        })
+    }
+}
+
+/// A structure that vibrates under a random load.
+struct Vibrating {
+    followed: Vec<Followed>,
+    /// Linear modes that are damped, with their numbers from zero.
+    linear: Vec<(usize, Oscillator)>,
+    /// Flexibility of the response point under a slow load, and what of it the modes do not have; none where it was not found.
+    slow: Option<[f64; 2]>,
+    base: Option<Base>,
+    /// Rigid motions that the modes do not have.
+    rigid_motions: usize,
+    /// Whether modes that are not followed have no damping, and answer statically.
+    undamped: bool,
+}
+
+impl Vibrating {
+    fn new(about: &Linearised<'_>, drive: &Drive, followed: Vec<Followed>) -> Result<Self, Error> {
+        let line = about.line;
+        let along = |row: &[f64], shape: &[f64]| row.iter().zip(shape).map(|(a, b)| a * b).sum::<f64>();
+        let background = about.scene.background_damping;
+        let others = (0..line.eigenvalues.len()).filter(|mode| followed.iter().all(|of| of.mode != *mode));
+        let linear: Vec<(usize, Oscillator)> = others
+            .map(|mode| {
+                let shape = line.shapes.col_as_slice(mode);
+                let oscillator = Oscillator {
+                    omega: line.eigenvalues[mode].max(0.0).sqrt(),
+                    zeta: background,
+                    load: along(&drive.row, shape),
+                    response: along(about.response, shape),
+                };
+                (mode, oscillator)
+            })
+            .filter(|_| background > 0.0)
+            .collect();
+        let slow = line.tangent_response(about.force.pattern(), line.stuck_tangent(), &drive.row, STATIC)?;
+        let of_modes = followed
+            .iter()
+            .map(|of| of.load * of.response / line.eigenvalues[of.mode]);
+        let of_linear = linear
+            .iter()
+            .map(|(_, own)| own.load * own.response / (own.omega * own.omega));
+        let of_modes: f64 = of_modes.chain(of_linear).sum();
+        Ok(Self {
+            slow: slow.map(|(displacement, _)| {
+                let flexibility = along(about.response, &displacement);
+                [flexibility, flexibility - of_modes]
+            }),
+            undamped: background == 0.0 && line.eigenvalues.len() > followed.len(),
+            followed,
+            linear,
+            base: drive.base,
+            rigid_motions: about.vibrating.zem_stuck,
+        })
+    }
+
+    fn at(&self, level: f64, unit: &Spectrum) -> RandomVibration {
+        // A level of zero is rest, of which the spectrum is none.
+        let scale = level * level;
+        let spectrum = unit.scaled(if scale > 0.0 { scale } else { 1.0 });
+        let load = |load: f64| if scale > 0.0 { load } else { 0.0 };
+        let mut modes = Vec::new();
+        let mut oscillators = Vec::new();
+        let mut power = vec![0.0; self.followed.first().map_or(0, |of| of.power.len())];
+        let mut sliding = 0.0;
+        for of in &self.followed {
+            let equivalent = of.curve.stationary(load(of.load), &spectrum);
+            let square = equivalent.sigma * equivalent.sigma;
+            for (sum, values) in power.iter_mut().zip(&of.power) {
+                *sum += 2.0 * square * of.curve.mean(values, equivalent.white);
+            }
+            sliding += square * of.curve.mean(&of.sliding, equivalent.white);
+            modes.push(RandomMode {
+                mode: of.mode + 1,
+                follows_backbone: true,
+                rms: equivalent.sigma * of.response.abs(),
+                equivalent,
+            });
+            oscillators.push(Oscillator {
+                omega: equivalent.omega,
+                zeta: equivalent.zeta,
+                load: load(of.load),
+                response: of.response,
+            });
+        }
+        for (mode, oscillator) in &self.linear {
+            let oscillator = Oscillator {
+                load: load(oscillator.load),
+                ..*oscillator
+            };
+            let sigma = oscillator.mean_square(&spectrum).sqrt();
+            modes.push(RandomMode {
+                mode: mode + 1,
+                follows_backbone: false,
+                rms: sigma * oscillator.response.abs(),
+                equivalent: Equivalent {
+                    sigma,
+                    omega: oscillator.omega,
+                    zeta: oscillator.zeta,
+                    white: 0.0,
+                    beyond: [0.0; 2],
+                    spread: 0.0,
+                    others: false,
+                },
+            });
+            oscillators.push(oscillator);
+        }
+        let transfer = Transfer {
+            oscillators,
+            remainder: load(self.slow.map_or(0.0, |[_, remainder]| remainder)),
+            carried: load(self.base.map_or(0.0, |base| base.carried)),
+        };
+        RandomVibration {
+            level,
+            rms_load: level * unit.mean_square().sqrt(),
+            squares: transfer.mean_squares(&spectrum),
+            densities: transfer.densities(&spectrum),
+            power,
+            rms_sliding: sliding.sqrt(),
+            validity: self.validity(&modes, &spectrum),
+            modes,
+        }
+    }
+
+    fn validity(&self, modes: &[RandomMode], spectrum: &Spectrum) -> RandomValidity {
+        let own = || {
+            modes
+                .iter()
+                .filter(|mode| mode.follows_backbone)
+                .map(|mode| mode.equivalent)
+        };
+        let largest = |value: &dyn Fn(Equivalent) -> f64| own().map(value).fold(0.0, f64::max);
+        let slope = |of: Equivalent| {
+            let [from, to] = [-2.0, 2.0].map(|times| of.omega / TAU * (1.0 + times * of.spread));
+            let [first, last] = spectrum.band();
+            if to < first || from > last {
+                return 1.0;
+            }
+            let ends = [from, 0.5 * (from + to), to].map(|f| spectrum.density(f));
+            let [low, high] = [
+                ends.iter().copied().fold(f64::INFINITY, f64::min),
+                ends.iter().copied().fold(0.0, f64::max),
+            ];
+            high / low
+        };
+        let overlap = |(i, a): (usize, &RandomMode)| {
+            let others = modes.iter().enumerate().filter(move |(j, _)| i != *j);
+            others
+                .map(|(_, b)| {
+                    let (a, b) = (a.equivalent, b.equivalent);
+                    2.0 * (a.zeta * a.omega + b.zeta * b.omega) / (a.omega - b.omega).abs()
+                })
+                .fold(0.0, f64::max)
+        };
+        let followed = modes.iter().enumerate().filter(|(_, mode)| mode.follows_backbone);
+        let found = RandomValidity {
+            share_beyond_backbone: [0, 1].map(|end| largest(&|of| of.beyond[end])),
+            frequency_spread: largest(&|of| of.spread),
+            load_slope: largest(&slope),
+            overlap: followed.map(overlap).fold(0.0, f64::max),
+            static_share: self
+                .slow
+                .map(|[all, remainder]| if all == 0.0 { 0.0 } else { (remainder / all).abs() }),
+            ..RandomValidity::default()
+        };
+        let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+        let [below, above] = found.share_beyond_backbone;
+        let damping = largest(&|of| of.zeta);
+        let is_at_rest = own().all(|of| of.sigma == 0.0);
+        let mut reasons = Vec::new();
+        let mut unless = |holds: bool, reason: String| {
+            if !holds {
+                reasons.push(reason);
+            }
+        };
+        unless(
+            below <= MOST_BEYOND || is_at_rest,
+            format!(
+                "{} of the mean square belong to amplitudes below the backbone, where its first damping ratio is taken; begin it lower \
+                 (analyses.backbone.amplitude_from)",
+                percent(below)
+            ),
+        );
+        unless(
+            above <= MOST_BEYOND,
+            format!(
+                "{} of the mean square belong to amplitudes above the backbone, where its last values are taken; end it higher \
+                 (analyses.backbone.amplitude_to)",
+                percent(above)
+            ),
+        );
+        unless(
+            damping <= MOST_DAMPING,
+            format!("a damping ratio of {damping:.2} makes no narrow band; follow the motion in time"),
+        );
+        unless(
+            found.load_slope <= MOST_SLOPE,
+            format!(
+                "the density of the load changes by a factor of {:.1} where a natural frequency wanders by {:.1e} of itself; follow the motion in time",
+                found.load_slope, found.frequency_spread
+            ),
+        );
+        unless(
+            found.overlap <= MOST_OVERLAP,
+            format!(
+                "modes overlap by {:.2} of the distance between them; their amplitudes are not independent",
+                found.overlap
+            ),
+        );
+        unless(
+            own().all(|of| !of.others),
+            "there are several stationary states, of which the smallest is given".to_owned(),
+        );
+        unless(
+            self.rigid_motions == 0 || self.base.is_some(),
+            format!(
+                "{} rigid motions of the structure are not counted; only its deformation is",
+                self.rigid_motions
+            ),
+        );
+        unless(
+            self.slow.is_some(),
+            "the flexibility under a slow load was not found; what the modes do not have is left out".to_owned(),
+        );
+        unless(
+            !self.undamped,
+            "modes that are not followed have no damping and answer statically; give background_damping, or follow them (analyses.modes.followed)"
+                .to_owned(),
+        );
+        RandomValidity {
+            holds: reasons.is_empty(),
+            reasons,
+            ..found
+        }
+    }
+}
+
+/// Stationary random vibration at a level.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RandomSummary {
+    /// Factor of the load's amplitude.
+    pub level: f64,
+    /// Root mean square of the load (N), or of the acceleration of the supports (m/s^2).
+    pub rms_load: f64,
+    /// Its unit: `N` or `m/s^2`.
+    pub load_unit: String,
+    /// The modes: those followed first, then the linear ones that are damped.
+    pub modes: Vec<RandomModeSummary>,
+    /// Root mean square of the displacement of the response point from its static position (m), against the supports where they move.
+    pub rms_response: f64,
+    /// Of its velocity (m/s).
+    pub rms_velocity: f64,
+    /// Of its acceleration (m/s^2), that of the supports included.
+    pub rms_acceleration: f64,
+    /// Upward crossings of the static position per second (Hz).
+    pub crossings_hz: Option<f64>,
+    /// Mean power that friction takes (W).
+    pub dissipated_power: f64,
+    /// The same over the area of the interfaces (W/m^2).
+    pub dissipated_power_per_area: f64,
+    /// The same of each interface, where there are several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joints: Vec<RandomJointSummary>,
+    /// Root mean square of the largest tangential motion anywhere on the interfaces (m).
+    pub rms_sliding: f64,
+    /// One-sided densities of the response.
+    pub psd: DensitySummary,
+    /// Whether what is assumed holds.
+    pub validity: RandomValidity,
+}
+
+/// A mode in stationary random vibration.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RandomModeSummary {
+    /// The mode, counted from 1.
+    pub mode: usize,
+    /// Whether frequency and damping are means over its backbone; otherwise they are those of the linear mode with the background damping alone.
+    pub follows_backbone: bool,
+    /// Natural frequency of the equivalent linear mode (Hz).
+    pub frequency_hz: f64,
+    /// Its damping ratio (-), background included.
+    pub damping_ratio: f64,
+    /// Root mean square of the displacement at the response point by this mode alone (m).
+    pub rms: f64,
+    /// Root mean square of the modal amplitude (sqrt(kg) m).
+    pub modal_rms: f64,
+    /// Mean power that it takes, background included (W).
+    pub power: f64,
+}
+
+/// Power that friction takes at an interface.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RandomJointSummary {
+    /// Name of the interface.
+    pub name: String,
+    /// Mean power (W).
+    pub dissipated_power: f64,
+}
+
+/// One-sided power spectral densities of the motion of the response point, at frequencies that are closer near resonances.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DensitySummary {
+    /// Frequencies (Hz).
+    pub frequency_hz: Vec<f64>,
+    /// Of the displacement (m^2/Hz).
+    pub displacement: Vec<f64>,
+    /// Of the acceleration ((m/s^2)^2/Hz).
+    pub acceleration: Vec<f64>,
+}
+
+impl RandomSummary {
+    /// `names` are those of the interfaces, `area` is that of all (m^2).
+    pub(crate) fn of(of: &RandomVibration, load_unit: &str, names: &[String], area: f64) -> Self {
+        let mode = |mode: &RandomMode| RandomModeSummary {
+            mode: mode.mode,
+            follows_backbone: mode.follows_backbone,
+            frequency_hz: mode.equivalent.omega / TAU,
+            damping_ratio: mode.equivalent.zeta,
+            rms: mode.rms,
+            modal_rms: mode.equivalent.sigma,
+            power: dissipated_power(&mode.equivalent),
+        };
+        let Squares {
+            displacement,
+            velocity,
+            acceleration,
+        } = of.squares;
+        let power: f64 = of.power.iter().sum();
+        let joints = names
+            .iter()
+            .zip(&of.power)
+            .map(|(name, &dissipated_power)| RandomJointSummary {
+                name: name.clone(),
+                dissipated_power,
+            });
+        let density = |value: fn(&Squares) -> f64| of.densities.iter().map(|(_, squares)| value(squares)).collect();
+        Self {
+            level: of.level,
+            rms_load: of.rms_load,
+            load_unit: load_unit.to_owned(),
+            modes: of.modes.iter().map(mode).collect(),
+            rms_response: displacement.sqrt(),
+            rms_velocity: velocity.sqrt(),
+            rms_acceleration: acceleration.sqrt(),
+            crossings_hz: (displacement > 0.0).then(|| (velocity / displacement).sqrt() / TAU),
+            dissipated_power: power,
+            dissipated_power_per_area: power / area,
+            joints: if of.power.len() > 1 {
+                joints.collect()
+            } else {
+                Vec::new()
+            },
+            rms_sliding: of.rms_sliding,
+            psd: DensitySummary {
+                frequency_hz: of.densities.iter().map(|(f, _)| *f).collect(),
+                displacement: density(|squares| squares.displacement),
+                acceleration: density(|squares| squares.acceleration),
+            },
+            validity: of.validity.clone(),
+        }
+    }
+}

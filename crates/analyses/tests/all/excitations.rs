@@ -1,0 +1,252 @@
+//! Moving supports and random loads: against closed forms, against forces, and against one another.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+use crate::common::BENCHMARKS;
+use crate::common::points::{folder, scene, set, try_run, write};
+use crate::meshes::{document, lap, named, scene as of_lap};
+use analyses::results::summary::Summary;
+use analyses::{Run, run};
+use faer::Mat;
+use joints::Options;
+use joints::progress::Silent;
+use scenes::Scene;
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
+use std::path::Path;
+
+fn summary(run: &Run) -> Summary {
+    Summary::new(run, Default::default(), None)
+}
+
+/// Two masses on springs, the first of which rests on the ground with dry friction; `analyses` of the first mode.
+fn oscillator(path: &Path, mu: f64, analyses: Value) -> Value {
+    let (ground, spring, masses) = (4e4, 6e4, [1.0, 2.0]);
+    let stiffness = Mat::from_fn(2, 2, |i, j| match (i, j) {
+        (0, 0) => ground + spring,
+        (1, 1) => spring,
+        _ => -spring,
+    });
+    let mass = Mat::from_fn(2, 2, |i, j| if i == j { masses[i] } else { 0.0 });
+    write(path, &stiffness, &mass, &[(7, 1), (-1, 1)]);
+    let mut scene = scene(path, &[7], &[set([5e4, 5e4, 2e6], mu, 50.0)], &json!([[-1, 1, 1.0]]));
+    scene["background_damping"] = json!(0.01);
+    scene["analyses"] = analyses;
+    scene["analyses"]["modes"] = json!({ "number": 2 });
+    scene
+}
+
+#[test]
+fn a_mass_on_one_contact_moves_on_its_base_as_the_closed_form_says() {
+    let folder = folder("base");
+    let path = folder.join("mass.npz");
+    let (ground, contact, zeta, level) = (1e4, 5e4, 0.01, 0.3);
+    let one = |value: f64| Mat::from_fn(1, 1, |_, _| value);
+    write(&path, &one(ground), &one(2.0), &[(7, 1)]);
+    let sticks = set([contact, contact, 2e6], 10.0, 50.0);
+    let mut given = scene(&path, &[7], &[sticks], &json!([[7, 1, 1.0]]));
+    given["background_damping"] = json!(zeta);
+    let omega = ((ground + contact) / 2.0_f64).sqrt();
+    let first = omega / TAU;
+    let base = json!({ "direction": [1.0, 0.0, 0.0], "motion": [[7, 1, 1.0]], "levels": [level] });
+    given["analyses"] = json!({
+        "modes": { "number": 1 },
+        "forced": { "base": base, "from_hz": 0.5 * first, "to_hz": 1.5 * first, "tolerance": 1e-12 },
+    });
+    let found = summary(&try_run(&given).unwrap()).forced.remove(0);
+    assert_eq!((found.failure.as_deref(), found.level_unit.as_str()), (None, "m/s^2"));
+    let outside = found.base.unwrap();
+    assert!(found.frequency.len() > 20);
+    let mut largest = [0.0_f64; 4];
+    for (i, f) in found.frequency.iter().enumerate() {
+        let w = TAU * f;
+        // The coordinate per acceleration of the base, and the whole over the displacement of the base.
+        let (x, y) = (omega * omega - w * w, 2.0 * zeta * omega * w);
+        let square = x * x + y * y;
+        let (real, imaginary) = (1.0 + w * w * x / square, -w * w * y / square);
+        let lag = |re: f64, im: f64| (-im).atan2(re).to_degrees().rem_euclid(360.0);
+        let apart = |a: f64, b: f64| ((a - b + 180.0).rem_euclid(360.0) - 180.0).abs();
+        let errors = [
+            (found.amplitude[i] / (level / square.sqrt()) - 1.0).abs(),
+            (outside.transmissibility[i] / real.hypot(imaginary) - 1.0).abs(),
+            apart(outside.phase[i], lag(real, imaginary)),
+            found.energy_error[i],
+        ];
+        largest = [0, 1, 2, 3].map(|k| largest[k].max(errors[k]));
+    }
+    println!("amplitude, transmissibility, phase, energy: {largest:?}");
+    assert!(
+        largest.iter().all(|error| *error < 1e-8) && largest[3] < 1e-9,
+        "{largest:?}"
+    );
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_moving_base_is_an_inertial_force() {
+    let folder = folder("inertial");
+    let path = folder.join("oscillator.npz");
+    let level = 6.0;
+    let response = |excitation: Value| {
+        let mut forced = json!({ "from_hz": 15.0, "to_hz": 30.0, "harmonics": 5, "samples": 256, "tolerance": 1e-11 });
+        let fields = forced.as_object_mut().unwrap();
+        fields.extend(excitation.as_object().unwrap().clone());
+        let found = try_run(&oscillator(&path, 0.2, json!({ "forced": forced }))).unwrap();
+        summary(&found).forced.remove(0)
+    };
+    let motion = json!([[7, 1, 1.0], [-1, 1, 1.0]]);
+    let base = response(json!({ "base": { "direction": [1.0, 0.0, 0.0], "motion": motion, "levels": [level] } }));
+    let force = response(json!({ "terms": [[7, 1, -1.0], [-1, 1, -2.0]], "levels": [level] }));
+    assert_eq!((base.failure.as_deref(), force.failure.as_deref()), (None, None));
+    assert_eq!(base.frequency.len(), force.frequency.len());
+    // It slips: the resonance is below that of the stuck structure, and there are further harmonics.
+    assert!(base.harmonics.iter().any(|h| h[2] > 1e-3 * h[0]));
+    let pairs = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+    let errors = [
+        pairs(&base.frequency, &force.frequency),
+        pairs(&base.amplitude, &force.amplitude),
+    ];
+    assert!(errors.iter().all(|error| *error < 1e-9), "{errors:?}");
+    assert!(base.energy_error.iter().all(|error| *error < 1e-9));
+    assert!(force.base.is_none() && base.base.is_some());
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// The clamped lap with these analyses beside the backbone.
+fn clamped(path: &Path, analyses: &Value) -> Scene {
+    lap([12, 4, 2], [12, 4, 2]).write(path);
+    of_lap(path, named(), |scene| {
+        scene["structure"]["mesh"]["supports"] = json!([{ "surface": "foot" }]);
+        scene["background_damping"] = json!(0.002);
+        let asked = scene["analyses"].as_object_mut().unwrap();
+        asked["backbone"]["amplitudes"] = json!(9);
+        asked.extend(analyses.as_object().unwrap().clone());
+    })
+}
+
+#[test]
+fn a_clamped_structure_follows_its_base_at_low_frequencies_and_swings_as_a_random_load_says() {
+    let folder = folder("clamped");
+    let (level, scale) = (1e-3, 1e-12);
+    let up = json!([0.0, 0.0, 1.0]);
+    let scene = |[from, to]: [f64; 2]| {
+        clamped(
+            &folder.join("lap.msh"),
+            &json!({
+                "forced": { "base": { "direction": up, "levels": [level] }, "from_hz": from, "to_hz": to, "tolerance": 1e-10 },
+                // So little that nothing slips, and as much as lets the joint slip.
+                "random": { "base": { "direction": up }, "psd": [[from, scale], [to, scale]], "levels": [0.0, 1.0, 1e7] },
+            }),
+        )
+    };
+    let options = Options::default();
+    let found = run(&scene([20.0, 25.0]), &options, &Silent).unwrap();
+    let first = found.frequencies[0];
+    let low = summary(&found).forced.remove(0);
+    let outside = low.base.unwrap();
+    // The first point: one plus the square of the ratio of frequencies, nearly.
+    let ratio = 20.0 / first;
+    assert!(ratio < 0.2, "{first}");
+    assert!(outside.transmissibility[0] > 1.0 && outside.transmissibility[0] < 1.0 + 2.0 * ratio * ratio);
+    let mass = found.model.facts.mass.unwrap();
+    let force = outside.support_force[0].unwrap() / (mass * level);
+    assert!(force > 1.0 && force < 1.0 + 2.0 * ratio * ratio, "{force}");
+
+    let band = [0.3 * first, 3.0 * first];
+    let found = run(&scene(band), &options, &Silent).unwrap();
+    let document = summary(&found);
+    let forced = &document.forced[0];
+    assert!(
+        forced.energy_error.iter().all(|error| *error < 1e-9),
+        "{:?}",
+        forced.energy_error
+    );
+    let [rest, small, large] = document.random.as_slice() else {
+        panic!("three levels");
+    };
+    assert_eq!((rest.rms_load, rest.rms_response), (0.0, 0.0));
+    assert!((small.rms_load / (scale * (band[1] - band[0])).sqrt() - 1.0).abs() < 1e-12);
+    // At the ends of the band the response to a harmonic motion is what the density is made of: two ways to the same number, the one by harmonic
+    // balance of the whole structure, the other by its modes and what they leave out.
+    let last = forced.frequency.len() - 1;
+    let ends = [(0, 0), (last, small.psd.frequency_hz.len() - 1)];
+    for (of_forced, of_psd) in ends {
+        assert!((forced.frequency[of_forced] / small.psd.frequency_hz[of_psd] - 1.0).abs() < 1e-12);
+        let gain = (forced.amplitude[of_forced] / level).powi(2);
+        let error = small.psd.displacement[of_psd] / scale / gain - 1.0;
+        println!("{} Hz: {error:+.1e}", forced.frequency[of_forced]);
+        assert!(error.abs() < 2e-3, "{error}");
+    }
+    let mode = |level: &analyses::random::RandomSummary| level.modes[0].clone();
+    assert!((mode(small).frequency_hz / first - 1.0).abs() < 1e-3);
+    assert!(
+        mode(large).frequency_hz < mode(small).frequency_hz && mode(large).damping_ratio > mode(small).damping_ratio
+    );
+    assert!(large.rms_response > small.rms_response && large.rms_response < 1e7 * small.rms_response);
+    // What friction takes is what the mode takes beyond its background.
+    let background = 0.002 * mode(large).power / mode(large).damping_ratio;
+    let share = large.dissipated_power / (mode(large).power - background);
+    println!("{share:.4} {:?}", large.validity);
+    assert!((share - 1.0).abs() < 0.05, "{share}");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn bases_and_spectra_that_cannot_be_are_refused_with_their_field() {
+    let folder = folder("refused");
+    let path = folder.join("lap.msh");
+    let base = json!({ "direction": [0.0, 0.0, 1.0] });
+    let refusal = |analyses: Value| {
+        lap([6, 2, 1], [6, 2, 1]).write(&path);
+        let text = document(&path, named(), |scene| {
+            scene["structure"]["mesh"]["supports"] = json!([{ "surface": "foot" }]);
+            scene["analyses"]
+                .as_object_mut()
+                .unwrap()
+                .extend(analyses.as_object().unwrap().clone());
+        });
+        Scene::from_json(&text.to_string(), "lap.json", "lap", &BENCHMARKS)
+            .unwrap_err()
+            .to_string()
+    };
+    let random = |psd: Value| json!({ "random": { "base": base, "psd": psd } });
+    for (analyses, told) in [
+        (random(json!([[20.0, 1.0]])), "at least two points"),
+        (random(json!([[20.0, 1.0], [30.0, -1.0]])), "positive and finite"),
+        (random(json!([[30.0, 1.0], [20.0, 1.0]])), "ascending"),
+        (random(json!([[30.0, "1 N^2/Hz"], [40.0, 1.0]])), "g^2/Hz"),
+        (
+            json!({ "random": { "psd": [[1.0, 1.0], [2.0, 1.0]] } }),
+            "exactly one of `base` and `force`",
+        ),
+        (
+            json!({ "forced": { "base": { "direction": [0.0, 0.0, 2.0], "levels": ["1 g"] }, "from_hz": 1.0, "to_hz": 2.0 } }),
+            "unit vector",
+        ),
+        (
+            json!({ "forced": { "base": { "direction": [0.0, 0.0, 1.0], "levels": ["0 g"] }, "from_hz": 1.0, "to_hz": 2.0 } }),
+            "positive",
+        ),
+        (
+            json!({ "forced": { "base": { "direction": [0.0, 0.0, 1.0], "levels": [] }, "from_hz": 1.0, "to_hz": 2.0 } }),
+            "at least one",
+        ),
+    ] {
+        let found = refusal(analyses);
+        assert!(found.contains(told), "{found}");
+    }
+    // A free structure has no base.
+    lap([6, 2, 1], [6, 2, 1]).write(&path);
+    let free = of_lap(&path, named(), |scene| {
+        scene["analyses"]["forced"] =
+            json!({ "base": { "direction": [0.0, 0.0, 1.0], "levels": ["1 g"] }, "from_hz": 1.0, "to_hz": 2.0 });
+    });
+    let found = run(&free, &Options::default(), &Silent)
+        .map(|_| ())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        found.contains("analyses.forced.base") && found.contains("6 rigid motions"),
+        "{found}"
+    );
+    std::fs::remove_dir_all(folder).unwrap();
+}

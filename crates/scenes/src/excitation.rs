@@ -1,0 +1,203 @@
+//! What drives a structure, and through which point.
+
+use super::analyses::Analyses;
+use super::check::Check;
+use crate::Error;
+use serde::{Deserialize, Serialize};
+
+/// What drives a structure.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Excitation {
+    /// A force at the response point in its direction.
+    Response,
+    /// A force at a node.
+    Node {
+        /// The node: in a deck a label or a set of one node, in a mesh a group of one node, in matrices a label.
+        node: String,
+        /// Direction of the force, a unit vector.
+        direction: [f64; 3],
+    },
+    /// A force on coordinates of matrices: label, component, factor.
+    Terms(Vec<(i64, u32, f64)>),
+    /// All supports move alike.
+    Base {
+        /// Direction of the motion, a unit vector.
+        direction: [f64; 3],
+        /// In matrices, how its coordinates move when everything moves by one, where it is given: label, component, factor.
+        motion: Option<Vec<(i64, u32, f64)>>,
+    },
+}
+
+/// An excitation, and the field of the scene that asks for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Driver {
+    /// The field.
+    pub field: &'static str,
+    /// The excitation.
+    pub excitation: Excitation,
+}
+
+impl Analyses {
+    /// Excitations of all analyses apart from forces at the response point, each once.
+    pub fn drivers(&self) -> Vec<Driver> {
+        let named = |excitation: Excitation, [point, base]: [&'static str; 2]| Driver {
+            field: match excitation {
+                Excitation::Base { .. } => base,
+                _ => point,
+            },
+            excitation,
+        };
+        let forced = self.forced.iter();
+        let forced = forced.map(|asked| named(asked.excitation(), ["analyses.forced.node", "analyses.forced.base"]));
+        let random = self.random.iter();
+        let random = random.map(|asked| {
+            named(
+                asked.excitation(),
+                ["analyses.random.force.node", "analyses.random.base"],
+            )
+        });
+        let mut found: Vec<Driver> = Vec::new();
+        for driver in forced.chain(random) {
+            let is_known = found.iter().any(|known| known.excitation == driver.excitation);
+            if driver.excitation != Excitation::Response && !is_known {
+                found.push(driver);
+            }
+        }
+        found
+    }
+
+    /// Number of the recovered row that belongs to an excitation: 0 is the response, those of [`drivers`](Self::drivers) follow.
+    pub fn recovered(&self, excitation: &Excitation) -> usize {
+        let place = self.drivers().iter().position(|known| known.excitation == *excitation);
+        place.map_or(0, |place| place + 1)
+    }
+}
+
+/// Motion of all supports together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct BaseMotion {
+    /// Direction of the motion, a unit vector.
+    pub direction: [f64; 3],
+    /// In matrices whose coordinates do not show it, how these move when everything moves by one: label, component, factor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion: Option<Vec<(i64, u32, f64)>>,
+}
+
+/// Where a force acts: at the response point in its direction, unless `node` and `direction` or `terms` say otherwise.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct PointForce {
+    /// Node that the force acts on: in a deck a label or a set of one node, in matrices a label. Not for benchmarks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub node: Option<String>,
+    /// Direction of the force at the node, a unit vector.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
+    /// In matrices: factors of the coordinates that the force acts on, in the place of a node: label, component, factor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub terms: Option<Vec<(i64, u32, f64)>>,
+}
+
+/// Names of the fields of a [`PointForce`] in a scene.
+pub(super) struct PointFields {
+    pub(super) node: &'static str,
+    pub(super) direction: &'static str,
+    pub(super) terms: &'static str,
+}
+
+/// What a node, a direction and terms, of which none need be given, make up.
+pub(super) fn point(
+    node: Option<&String>,
+    direction: Option<[f64; 3]>,
+    terms: Option<&Vec<(i64, u32, f64)>>,
+) -> Excitation {
+    match (node, direction, terms) {
+        (_, _, Some(terms)) => Excitation::Terms(terms.clone()),
+        (Some(node), Some(direction), None) => Excitation::Node {
+            node: node.clone(),
+            direction,
+        },
+        _ => Excitation::Response,
+    }
+}
+
+/// Refuses directions that are no unit vectors.
+fn check_direction(check: &Check<'_>, field: &'static str, direction: [f64; 3]) -> Result<(), Error> {
+    let length = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
+    let unit = (length - 1.0).abs() < 1e-6;
+    check.that(unit, field, length, "(length)", "a unit vector")
+}
+
+/// Refuses motions of the base that are none, and coordinates of what are no matrices.
+pub(super) fn check_base(
+    check: &Check<'_>,
+    [direction, motion]: [&'static str; 2],
+    base: (&[f64; 3], Option<&Vec<(i64, u32, f64)>>),
+    is_matrices: bool,
+) -> Result<(), Error> {
+    check_direction(check, direction, *base.0)?;
+    let given = f64::from(u8::from(base.1.is_some()));
+    check.that(
+        is_matrices || base.1.is_none(),
+        motion,
+        given,
+        "(given)",
+        "left out where the structure is not given as matrices",
+    )?;
+    for (_, _, factor) in base.1.into_iter().flatten() {
+        let finite = factor.is_finite() && *factor != 0.0;
+        check.that(finite, motion, *factor, "", "finite and not zero")?;
+    }
+    Ok(())
+}
+
+/// Refuses a node without a direction, both a node and terms, and terms that are empty or without effect.
+pub(super) fn check_point(
+    check: &Check<'_>,
+    fields: &PointFields,
+    node: Option<&String>,
+    direction: Option<[f64; 3]>,
+    terms: Option<&Vec<(i64, u32, f64)>>,
+) -> Result<(), Error> {
+    let given = f64::from(u8::from(node.is_some()));
+    let both = node.is_some() == direction.is_some();
+    check.that(both, fields.node, given, "(given)", "given together with its direction")?;
+    let one = terms.is_none() || node.is_none();
+    check.that(one, fields.terms, 1.0, "(given)", "left out where a node is given")?;
+    if let Some(direction) = direction {
+        check_direction(check, fields.direction, direction)?;
+    }
+    for (_, _, factor) in terms.into_iter().flatten() {
+        let finite = factor.is_finite() && *factor != 0.0;
+        check.that(finite, fields.terms, *factor, "", "finite and not zero")?;
+    }
+    let empty = terms.is_some_and(Vec::is_empty);
+    check.that(!empty, fields.terms, 0.0, "(terms)", "at least one")
+}
+
+/// Refuses points that the structure of a scene does not have.
+pub(super) fn check_structure(
+    check: &Check<'_>,
+    fields: &PointFields,
+    excitation: &Excitation,
+    [is_benchmark, is_matrices]: [bool; 2],
+) -> Result<(), Error> {
+    let given = matches!(excitation, Excitation::Node { .. } | Excitation::Terms(_));
+    check.that(
+        !(is_benchmark && given),
+        fields.node,
+        1.0,
+        "(given)",
+        "left out on a benchmark, whose force acts at the response point",
+    )?;
+    check.that(
+        is_matrices || !matches!(excitation, Excitation::Terms(_)),
+        fields.terms,
+        1.0,
+        "(given)",
+        "left out where the structure is not given as matrices",
+    )
+}

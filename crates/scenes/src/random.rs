@@ -1,0 +1,174 @@
+//! Stationary random vibration.
+
+use super::check::Check;
+use super::excitation::{BaseMotion, Excitation, PointFields, PointForce, check_base, check_point, point};
+use super::uncertain::NumberOrText;
+use super::units::{Acceleration, AccelerationDensity, Dimension, Force, ForceDensity, Quantity};
+use crate::Error;
+use serde::de::IntoDeserializer;
+use serde::de::value::Error as ValueError;
+use serde::{Deserialize, Serialize};
+
+/// Names of the fields of `force`.
+pub(super) const FORCE: PointFields = PointFields {
+    node: "analyses.random.force.node",
+    direction: "analyses.random.force.direction",
+    terms: "analyses.random.force.terms",
+};
+
+/// Stationary random vibration under a moving base or a force, from the backbones of the modes followed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(try_from = "RandomFields")]
+pub struct Random {
+    /// All supports move alike; either this or `force` is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base: Option<BaseMotion>,
+    /// A force acts: at the response point in its direction, unless it says otherwise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force: Option<PointForce>,
+    /// One-sided power spectral density: frequencies (Hz), ascending, with densities of the base's acceleration ((m/s^2)^2/Hz) or of the force
+    /// (N^2/Hz); straight lines in log-log between them, nothing beyond them.
+    pub psd: Vec<(f64, f64)>,
+    /// Levels: factors of the load's amplitude, so that the density is multiplied by their squares.
+    pub levels: Vec<f64>,
+}
+
+/// [`Random`] as files have it.
+#[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+struct RandomFields {
+    /// All supports move alike; either this or `force` is given.
+    #[serde(default)]
+    base: Option<BaseMotion>,
+    /// A force acts: at the response point in its direction, unless it says otherwise.
+    #[serde(default)]
+    force: Option<PointForce>,
+    /// One-sided power spectral density: frequencies (Hz), ascending, with densities of the base's acceleration (texts: `(m/s^2)^2/Hz`, `g^2/Hz`) or
+    /// of the force (`N^2/Hz`); straight lines in log-log between them, nothing beyond them.
+    psd: Vec<(f64, NumberOrText)>,
+    /// Levels: factors of the load's amplitude, so that the density is multiplied by their squares.
+    #[serde(default = "as_given")]
+    levels: Vec<f64>,
+}
+
+fn as_given() -> Vec<f64> {
+    vec![1.0]
+}
+
+/// A density of one dimension, from a number in the units of the file or a text.
+fn density<D: Dimension>(value: &NumberOrText) -> Result<f64, String> {
+    let found: Result<Quantity<D>, ValueError> = match value {
+        NumberOrText::Number(number) => Quantity::deserialize((*number).into_deserializer()),
+        NumberOrText::Text(text) => Quantity::deserialize(text.as_str().into_deserializer()),
+    };
+    found.map(Quantity::si).map_err(|error| error.to_string())
+}
+
+impl TryFrom<RandomFields> for Random {
+    type Error = String;
+
+    fn try_from(fields: RandomFields) -> Result<Self, String> {
+        let of_one = match (&fields.base, &fields.force) {
+            (Some(_), None) => density::<super::units::dimension::OfAccelerationDensity>,
+            (None, Some(_)) => density::<super::units::dimension::OfForceDensity>,
+            _ => return Err("exactly one of `base` and `force` must be given".into()),
+        };
+        let psd = fields.psd.iter().zip(1..).map(|((frequency, value), number)| {
+            let value = of_one(value).map_err(|reason| format!("psd, number {number}: {reason}"))?;
+            Ok((*frequency, value))
+        });
+        Ok(Self {
+            psd: psd.collect::<Result<_, String>>()?,
+            base: fields.base,
+            force: fields.force,
+            levels: fields.levels,
+        })
+    }
+}
+
+impl Random {
+    /// What drives the structure.
+    pub fn excitation(&self) -> Excitation {
+        match (&self.base, &self.force) {
+            (Some(base), _) => Excitation::Base {
+                direction: base.direction,
+                motion: base.motion.clone(),
+            },
+            (None, Some(force)) => point(force.node.as_ref(), force.direction, force.terms.as_ref()),
+            (None, None) => Excitation::Response,
+        }
+    }
+
+    /// Unit of the load.
+    pub fn load_unit(&self) -> &'static str {
+        match self.base {
+            Some(_) => Acceleration::SI_SYMBOL,
+            None => Force::SI_SYMBOL,
+        }
+    }
+
+    /// Unit of the densities.
+    pub fn unit(&self) -> &'static str {
+        match self.base {
+            Some(_) => AccelerationDensity::SI_SYMBOL,
+            None => ForceDensity::SI_SYMBOL,
+        }
+    }
+
+    /// Refuses values outside their ranges; `amplitudes` are those of the backbone.
+    pub(super) fn validate(&self, check: &Check<'_>, amplitudes: usize, is_matrices: bool) -> Result<(), Error> {
+        if let Some(base) = &self.base {
+            let fields = ["analyses.random.base.direction", "analyses.random.base.motion"];
+            check_base(check, fields, (&base.direction, base.motion.as_ref()), is_matrices)?;
+        }
+        if let Some(force) = &self.force {
+            check_point(
+                check,
+                &FORCE,
+                force.node.as_ref(),
+                force.direction,
+                force.terms.as_ref(),
+            )?;
+        }
+        let field = "analyses.random.psd";
+        let points = self.psd.len();
+        check.that(
+            points > 1,
+            field,
+            points as f64,
+            "(points)",
+            "at least two points, since one has no band; give the first and the last frequency of a flat one",
+        )?;
+        for &(frequency, density) in &self.psd {
+            check.positive(field, frequency, "Hz")?;
+            let positive = density.is_finite() && density > 0.0;
+            let requirement =
+                "positive and finite; leave out frequencies without load, beyond the first and the last there is none";
+            check.that(positive, field, density, self.unit(), requirement)?;
+        }
+        for pair in self.psd.windows(2) {
+            let ascends = pair[0].0 < pair[1].0;
+            check.that(
+                ascends,
+                field,
+                pair[1].0,
+                "Hz",
+                "in ascending order, each frequency once",
+            )?;
+        }
+        let levels = "analyses.random.levels";
+        check.that(!self.levels.is_empty(), levels, 0.0, "(levels)", "at least one")?;
+        for level in &self.levels {
+            check.not_negative(levels, *level, "")?;
+        }
+        check.that(
+            amplitudes > 1,
+            "analyses.backbone.amplitudes",
+            amplitudes as f64,
+            "",
+            "at least 2 with analyses.random, which takes frequency and damping from the backbone",
+        )
+    }
+}
