@@ -45,6 +45,36 @@ fn free_bar_bends_like_a_timoshenko_beam() {
 }
 
 #[test]
+fn a_translation_moves_the_whole_mass_held_or_not() {
+    let mut free = bar([6, 2, 2], [0.3, 0.02, 0.03]);
+    free.masses = vec![PointMass { node: 40, mass: 0.25 }];
+    let whole = System::try_new(&free).unwrap();
+    for momentum in &whole.momenta {
+        assert!((momentum.iter().sum::<f64>() / whole.total_mass - 1.0).abs() < 1e-12);
+    }
+    // With an end held, what is left has the momentum that it has in the whole, that of held neighbours included.
+    let held: Vec<u32> = plane(
+        &free.mesh,
+        &(0..free.mesh.nodes.len() as u32).collect::<Vec<_>>(),
+        0,
+        0.0,
+    );
+    let mut clamped = free.clone();
+    clamped.supports = held
+        .iter()
+        .flat_map(|&node| (0..3).map(move |component| Dof::Node(node, component)))
+        .collect();
+    let part = System::try_new(&clamped).unwrap();
+    assert_eq!(part.total_mass, whole.total_mass);
+    for (momentum, all) in part.momenta.iter().zip(&whole.momenta) {
+        for (value, full) in momentum.iter().zip(&part.dofs.independent) {
+            let place = whole.dofs.independent.binary_search(full).unwrap();
+            assert!((value - all[place]).abs() < 1e-15 * whole.total_mass);
+        }
+    }
+}
+
+#[test]
 fn incompatible_modes_do_not_lock_and_full_integration_does() {
     let first = |formulation| {
         let mut bar = bar([36, 1, 1], [0.72, 0.0254, 0.0254]);
