@@ -9,6 +9,7 @@ use super::linearised::{Base, Drive, flow, newton};
 use super::vibration::{Start, VibrationAnalysis};
 use crate::Error;
 use harmonic_balance::backbone::Motion;
+use harmonic_balance::forced::Held;
 use harmonic_balance::{Failure, Harmonics, Sampling, forced, synthesis};
 use joints::progress::Stage;
 use joints::store::checkpoint::{Checkpoint, Checkpoints};
@@ -83,7 +84,14 @@ impl VibrationAnalysis for Forced {
             ));
         }
         for (index, &level) in levels.iter().enumerate().skip(responses.len()) {
-            let curve = forced::follow(about.line, about.force, &row, level, &solver, &mut |point| {
+            let held = match settings.holds_response() {
+                true => Held::Response {
+                    row: about.response,
+                    amplitude: level,
+                },
+                false => Held::Force(level),
+            };
+            let curve = forced::follow(about.line, about.force, &row, held, &solver, &mut |point| {
                 let way = (point.omega - range[0]) / (range[1] - range[0]);
                 progress.fraction(
                     Stage::Forced,
@@ -91,8 +99,12 @@ impl VibrationAnalysis for Forced {
                 );
                 flow(progress)
             })?;
-            let resonances = forced::resonances(about.line, about.force, &row, &curve, &solver)?;
-            let synthesis = synthesis::response(&motions, &row, about.response, level, viscous, BETWEEN)
+            let resonances = forced::resonances(about.line, about.force, &row, held, &curve, &solver)?;
+            let alone = match held {
+                Held::Force(force) => synthesis::response(&motions, &row, about.response, force, viscous, BETWEEN),
+                Held::Response { .. } => Vec::new(),
+            };
+            let synthesis = alone
                 .into_iter()
                 .filter(|p| (p.omega - range[0]) * (p.omega - range[1]) <= 0.0)
                 .collect();
@@ -115,7 +127,7 @@ impl VibrationAnalysis for Forced {
 /// The response to an excitation of one amplitude.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ForcedResponse {
-    /// Amplitude of the force (N), or of the acceleration of the supports (m/s^2).
+    /// Amplitude of the force (N), of the acceleration of the supports (m/s^2), or of the response (m): what is held.
     pub level: f64,
     /// Points in the order in which they follow one another on the curve.
     pub points: Vec<ForcedPoint>,
@@ -134,6 +146,8 @@ pub struct ForcedResponse {
 pub struct ForcedPoint {
     /// Frequency of the force (Hz).
     pub frequency_hz: f64,
+    /// Amplitude of the force (N), or of the acceleration of the supports (m/s^2).
+    pub force: f64,
     /// Amplitudes of the displacement's harmonics from the first on (m).
     pub harmonics: Vec<f64>,
     /// Cosines and sines of these harmonics (m).
@@ -199,7 +213,7 @@ impl Observed<'_> {
 impl ForcedPoint {
     fn new(
         of: &Observed<'_>,
-        omega: f64,
+        [omega, force]: [f64; 2],
         displacement: &Harmonics,
         [residual, energy_error]: [f64; 2],
         turns: bool,
@@ -210,6 +224,7 @@ impl ForcedPoint {
         let [c, s] = components[0];
         Self {
             frequency_hz: omega / TAU,
+            force,
             harmonics: components.iter().map(|[c, s]| c.hypot(*s)).collect(),
             phase: s.atan2(c).rem_euclid(TAU),
             mean: along[0],
@@ -229,17 +244,31 @@ impl ForcedResponse {
         resonances: &[Result<forced::Resonance, Failure>],
         synthesis: Vec<synthesis::Point>,
     ) -> Self {
-        let point =
-            |p: &forced::Point| ForcedPoint::new(of, p.omega, &p.displacement, [p.residual, p.energy_error], p.turns);
-        let resonance =
-            |r: &forced::Resonance| ForcedPoint::new(of, r.omega, &r.displacement, [r.residual, r.energy_error], false);
+        let point = |p: &forced::Point| {
+            ForcedPoint::new(
+                of,
+                [p.omega, p.force],
+                &p.displacement,
+                [p.residual, p.energy_error],
+                p.turns,
+            )
+        };
+        let resonance = |r: &forced::Resonance| {
+            ForcedPoint::new(
+                of,
+                [r.omega, r.force],
+                &r.displacement,
+                [r.residual, r.energy_error],
+                false,
+            )
+        };
         let mut points: Vec<ForcedPoint> = curve.points.iter().map(point).collect();
         // Resonances are points of the curve too; from the last to the first, so that the indices hold.
         for found in resonances.iter().flatten().rev() {
             points.insert(found.after + 1, resonance(found));
         }
         Self {
-            level: curve.force,
+            level: of.level,
             points,
             resonances: resonances
                 .iter()
@@ -278,13 +307,16 @@ impl ForcedResponse {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ForcedSummary {
-    /// Amplitude of the force (N), or of the acceleration of the supports (m/s^2).
+    /// What is held: the amplitude of the force (N), of the acceleration of the supports (m/s^2), or of the first harmonic of the response (m).
     pub level: f64,
-    /// Unit of the level: `N` or `m/s^2`.
+    /// Unit of the level: `N`, `m/s^2` or `m`.
     #[serde(default = "newton_unit")]
     pub level_unit: String,
     /// Frequencies of the force (Hz).
     pub frequency: Vec<f64>,
+    /// Amplitudes of the force (N), or of the acceleration of the supports (m/s^2).
+    #[serde(default)]
+    pub force: Vec<f64>,
     /// Amplitudes of the first harmonic of the displacement at the response point (m).
     pub amplitude: Vec<f64>,
     /// How far it lags behind the force (degrees).
@@ -378,6 +410,9 @@ pub struct ResonanceSummary {
     pub frequency_hz: Option<f64>,
     /// Amplitude of the first harmonic (m).
     pub amplitude: Option<f64>,
+    /// Amplitude of the force (N), or of the acceleration of the supports (m/s^2).
+    #[serde(default)]
+    pub force: Option<f64>,
     /// Residual relative to the elastic forces (energy norm).
     pub residual: Option<f64>,
     /// Why there is none.
@@ -385,9 +420,26 @@ pub struct ResonanceSummary {
 }
 
 impl ForcedSummary {
+    /// Whether the amplitude of the response was held, so that the force tells.
+    pub fn holds_response(&self) -> bool {
+        self.level_unit == "m"
+    }
+
+    /// What is drawn against the frequency: amplitudes of the response, or of the force where the response is held.
+    pub fn ordinate(&self) -> &[f64] {
+        match self.holds_response() {
+            true => &self.force,
+            false => &self.amplitude,
+        }
+    }
+
     pub(crate) fn of(of: &ForcedResponse, unit: &str) -> Self {
         let each = |value: &dyn Fn(&ForcedPoint) -> f64| of.points.iter().map(value).collect::<Vec<f64>>();
-        let peak = of.peak().map(|p| [p.frequency_hz, p.harmonics[0]]);
+        // Of a response that is held there is none.
+        let peak = of
+            .peak()
+            .filter(|_| unit != "m")
+            .map(|p| [p.frequency_hz, p.harmonics[0]]);
         let alone = of
             .synthesis
             .iter()
@@ -398,6 +450,7 @@ impl ForcedSummary {
             ResonanceSummary {
                 frequency_hz: point.map(|p: &ForcedPoint| p.frequency_hz),
                 amplitude: point.map(|p| p.harmonics[0]),
+                force: point.map(|p| p.force),
                 residual: point.map(|p| p.residual),
                 failure: found.as_ref().err().map(|f: &Failure| f.reason.to_string()),
             }
@@ -405,6 +458,7 @@ impl ForcedSummary {
         Self {
         level: of.level,
         level_unit: unit.to_owned(),
+        force: each(&|p| p.force),
         energy_error: each(&|p| p.energy_error),
         base: OutsideSummary::of(&of.points),
         frequency: each(&|p| p.frequency_hz),

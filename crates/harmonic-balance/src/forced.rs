@@ -1,8 +1,10 @@
-//! Responses to a harmonic force of given amplitude against the frequency.
+//! Responses to a harmonic force against the frequency: at a given amplitude of the force, or at a given one of the response, for which the force is
+//! found.
 //!
 //! `M u'' + C u' + K u + F(u) = f + e P cos(Omega t)`. The curve is followed by its arc length, in which a relative change of the motion
 //! (energy norm) and one of the frequency count as many steps as their largest allowed sizes, so that it goes around turning points and
-//! every resonance is resolved, however sharp.
+//! every resonance is resolved, however sharp. At a given amplitude `|r^T V_1| = x` of the response, the force is one more unknown; such curves do not turn
+//! back where those of a given force do.
 
 use crate::Error;
 use crate::aft::Sampling;
@@ -55,12 +57,28 @@ impl Default for Settings {
     }
 }
 
+/// What is held along a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Held<'a> {
+    /// The amplitude of the force (N).
+    Force(f64),
+    /// The amplitude of the first harmonic of a displacement; the force follows.
+    Response {
+        /// The displacement, as a row over the coordinates.
+        row: &'a [f64],
+        /// Its amplitude (m).
+        amplitude: f64,
+    },
+}
+
 /// A point of a response curve.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Point {
     /// Angular frequency of the force (rad/s).
     pub omega: f64,
+    /// Amplitude of the force (N).
+    pub force: f64,
     /// Harmonics of the displacements from the static state (m).
     pub displacement: Harmonics,
     /// Residual relative to the elastic forces (energy norm).
@@ -77,8 +95,6 @@ pub struct Point {
 /// A response curve.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// Amplitude of the force (N).
-    pub force: f64,
     /// Points in the order in which they follow one another on the curve.
     pub points: Vec<Point>,
     /// Why the curve ends before the last frequency, if it does.
@@ -94,6 +110,8 @@ pub struct Resonance {
     pub after: usize,
     /// Angular frequency (rad/s).
     pub omega: f64,
+    /// Amplitude of the force (N).
+    pub force: f64,
     /// Harmonics of the displacements from the static state (m).
     pub displacement: Harmonics,
     /// Residual relative to the elastic forces (energy norm), evaluated anew from the stiffness.
@@ -102,7 +120,7 @@ pub struct Resonance {
     pub energy_error: f64,
 }
 
-/// Follows the response to a force of amplitude `force` (N) along `row`; `observe` hears of every point and may stop the run.
+/// Follows the response to a force along `row`, with what is `held`; `observe` hears of every point and may stop the run.
 ///
 /// # Errors
 /// Settings or sizes that do not fit, and [`Error::Interrupted`]. A curve that ends early says why.
@@ -110,15 +128,16 @@ pub fn follow<F: PointwiseForce>(
     line: &Linearisation<'_, F::State>,
     law: &F,
     row: &[f64],
-    force: f64,
+    held: Held<'_>,
     settings: &Settings,
     observe: &mut dyn FnMut(&Point) -> ControlFlow<()>,
 ) -> Result<Curve, Error> {
-    let system = system(line, law, row, force, settings)?;
+    let system = system(line, law, row, held, settings)?;
     let mut tracer = Tracer {
         system,
         settings,
-        force,
+        held,
+        share: 1.0,
         effort: Effort::default(),
         before: Effort::default(),
     };
@@ -131,7 +150,6 @@ pub fn follow<F: PointwiseForce>(
     let mut effort = tracer.before;
     effort += tracer.effort;
     Ok(Curve {
-        force,
         points,
         failure,
         effort,
@@ -147,12 +165,17 @@ pub fn resonances<F: PointwiseForce>(
     line: &Linearisation<'_, F::State>,
     law: &F,
     row: &[f64],
+    held: Held<'_>,
     curve: &Curve,
     settings: &Settings,
 ) -> Result<Vec<Result<Resonance, Failure>>, Error> {
-    let system = system(line, law, row, curve.force, settings)?;
+    let system = system(line, law, row, held, settings)?;
     let cosine = |point: &Point| -> f64 { point.displacement.along(row)[1] };
     let mut found = Vec::new();
+    let free = match held {
+        Held::Force(_) => &[Parameter::Square][..],
+        Held::Response { .. } => &[Parameter::Square, Parameter::Force],
+    };
     for (index, pair) in curve.points.windows(2).enumerate() {
         let [before, after] = [cosine(&pair[0]), cosine(&pair[1])];
         if !(before > 0.0 && after <= 0.0) {
@@ -162,11 +185,12 @@ pub fn resonances<F: PointwiseForce>(
         let mut v = pair[0].displacement.clone();
         v.scale(1.0 - weight);
         v.add(weight, &pair[1].displacement);
-        let omega = (1.0 - weight) * pair[0].omega + weight * pair[1].omega;
+        let between = |of: fn(&Point) -> f64| (1.0 - weight) * of(&pair[0]) + weight * of(&pair[1]);
+        let omega = between(|point| point.omega);
         let mut unknown = Unknown {
             p: v.clone(),
             v,
-            parameters: [omega * omega, 0.0, curve.force],
+            parameters: [omega * omega, 0.0, between(|point| point.force)],
         };
         system.restore(&mut unknown);
         let conditions = |unknown: &Unknown, _: &Harmonics| {
@@ -179,14 +203,17 @@ pub fn resonances<F: PointwiseForce>(
                 .iter_mut()
                 .zip(row)
                 .for_each(|(to, r)| *to = r / reference);
-            vec![Condition {
+            let phase = Condition {
                 value: dot(c) / reference,
                 gradient,
-                along: vec![0.0],
-            }]
+                along: vec![0.0; free.len()],
+            };
+            std::iter::once(phase)
+                .chain(amplitude(unknown, held, 1.0, free.len()))
+                .collect()
         };
         let closure = Closure {
-            free: &[Parameter::Square],
+            free,
             conditions: &conditions,
         };
         let solved = solve(
@@ -203,6 +230,7 @@ pub fn resonances<F: PointwiseForce>(
         found.push(solved.map(|converged| Resonance {
             after: index,
             omega: unknown.at(Parameter::Square).sqrt(),
+            force: unknown.at(Parameter::Force),
             residual: converged.residual.max(system.imbalance(&unknown)),
             energy_error: system.energy_error(&unknown, &converged.evaluation),
             displacement: unknown.v,
@@ -211,20 +239,41 @@ pub fn resonances<F: PointwiseForce>(
     Ok(found)
 }
 
-/// The system that a force of amplitude `force` (N) along `row` drives.
+/// The condition that a response has a share of its amplitude, if it is held; there are `free` parameters beside the motion.
+fn amplitude(unknown: &Unknown, held: Held<'_>, share: f64, free: usize) -> Option<Condition> {
+    let Held::Response { row, amplitude } = held else {
+        return None;
+    };
+    let target = share * amplitude;
+    let along = unknown.v.along(row);
+    let size = along[1].hypot(along[2]);
+    let mut gradient = Harmonics::zeros(unknown.v.size(), unknown.v.count());
+    for column in [1, 2] {
+        let factor = along[column] / (size * target);
+        let values = gradient.column_mut(column).iter_mut().zip(row);
+        values.for_each(|(to, r)| *to = factor * r);
+    }
+    Some(Condition {
+        value: size / target - 1.0,
+        gradient,
+        along: vec![0.0; free],
+    })
+}
+
+/// The system that a force along `row` drives.
 fn system<'a, F: PointwiseForce>(
     line: &'a Linearisation<'a, F::State>,
     law: &'a F,
     row: &'a [f64],
-    force: f64,
+    held: Held<'_>,
     settings: &Settings,
 ) -> Result<System<'a, F>, Error> {
-    check(line.shapes.nrows(), row, force, settings)?;
+    check(line.shapes.nrows(), row, held, settings)?;
     let (background, rayleigh, sampling) = (settings.background, settings.rayleigh, settings.sampling);
     Ok(System::new(line, law, row, background, rayleigh, sampling))
 }
 
-fn check(n: usize, row: &[f64], force: f64, settings: &Settings) -> Result<(), Error> {
+fn check(n: usize, row: &[f64], held: Held<'_>, settings: &Settings) -> Result<(), Error> {
     if row.len() != n {
         return Err(Error::Size {
             what: "the direction of the force",
@@ -233,7 +282,18 @@ fn check(n: usize, row: &[f64], force: f64, settings: &Settings) -> Result<(), E
         });
     }
     check_sampling(settings.sampling)?;
-    require(force > 0.0 && force.is_finite(), "force", force, "positive and finite")?;
+    let (field, level) = match held {
+        Held::Force(force) => ("force", force),
+        Held::Response { row, amplitude } if row.len() == n => ("amplitude", amplitude),
+        Held::Response { row, .. } => {
+            return Err(Error::Size {
+                what: "the displacement held",
+                found: row.len(),
+                expected: n,
+            });
+        }
+    };
+    require(level > 0.0 && level.is_finite(), field, level, "positive and finite")?;
     for omega in settings.range {
         require(
             omega > 0.0 && omega.is_finite(),
@@ -285,7 +345,9 @@ const MAX_RAMP: i32 = 8;
 struct Tracer<'a, 's, F: PointwiseForce> {
     system: System<'a, F>,
     settings: &'s Settings,
-    force: f64,
+    held: Held<'s>,
+    /// Part of the amplitude held that is asked for at the moment.
+    share: f64,
     /// For the point at hand.
     effort: Effort,
     /// For all before it.
@@ -298,6 +360,8 @@ struct Tangent {
     p: Harmonics,
     /// Of the logarithm of the frequency.
     log_omega: f64,
+    /// Of the force (N).
+    force: f64,
 }
 
 impl<F: PointwiseForce> Tracer<'_, '_, F> {
@@ -336,6 +400,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
                     next.v.add(step, &tangent.v);
                     next.p.add(step, &tangent.p);
                     *next.at_mut(Parameter::Square) *= (2.0 * step * tangent.log_omega).exp();
+                    *next.at_mut(Parameter::Force) += step * tangent.force;
                     Some((next.clone(), tangent))
                 }
             };
@@ -411,6 +476,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
     fn point(&self, unknown: &Unknown, found: &Converged) -> Point {
         Point {
             omega: unknown.at(Parameter::Square).sqrt(),
+            force: unknown.at(Parameter::Force),
             displacement: unknown.v.clone(),
             residual: found.residual,
             drift: found.drift,
@@ -419,7 +485,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
         }
     }
 
-    /// The point at the first frequency, under a force that grows where the whole one at once is too much.
+    /// The point at the first frequency, under a force, or at a response, that grows where the whole of it at once is too much.
     fn first(&mut self, omega: f64) -> Result<(Unknown, Converged), Failure> {
         let n = self.system.size();
         let count = self.system.sampling().harmonics;
@@ -433,14 +499,18 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
         let mut share = 1.0;
         loop {
             let mut trial = unknown.clone();
-            let level = reached + share * (self.force - reached);
+            let level = reached + share * (1.0 - reached);
             if reached > 0.0 {
                 trial.v.scale(level / reached);
                 trial.p.scale(level / reached);
+                *trial.at_mut(Parameter::Force) *= level / reached;
             } else {
                 self.stuck_response(&mut trial, level);
             }
-            *trial.at_mut(Parameter::Force) = level;
+            self.share = level;
+            if let Held::Force(force) = self.held {
+                *trial.at_mut(Parameter::Force) = level * force;
+            }
             match self.correct(&mut trial, None) {
                 Ok(found) if share >= 1.0 => return Ok((trial, found)),
                 Ok(_) => {
@@ -458,8 +528,12 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
         }
     }
 
-    /// What the stuck structure does under the force, by the preconditioner: modes near resonance and static rest.
-    fn stuck_response(&self, unknown: &mut Unknown, force: f64) {
+    /// What the stuck structure does under a share of what is held, by the preconditioner: modes near resonance and static rest.
+    fn stuck_response(&self, unknown: &mut Unknown, share: f64) {
+        let force = match self.held {
+            Held::Force(force) => share * force,
+            Held::Response { .. } => 1.0,
+        };
         let mut load = Harmonics::zeros(self.system.size(), unknown.v.count());
         let row = self.system.row;
         load.column_mut(1)
@@ -468,6 +542,14 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
             .for_each(|(to, e)| *to = force * e);
         let response = self.system.solve_stuck(&load);
         [unknown.v, unknown.p] = self.system.precondition(unknown, &load, &response);
+        *unknown.at_mut(Parameter::Force) = force;
+        if let Held::Response { row, amplitude } = self.held {
+            let along = unknown.v.along(row);
+            let factor = share * amplitude / along[1].hypot(along[2]);
+            unknown.v.scale(factor);
+            unknown.p.scale(factor);
+            *unknown.at_mut(Parameter::Force) *= factor;
+        }
     }
 
     /// Solves at the frequency of the guess, or on the plane across the tangent through the prediction.
@@ -477,16 +559,23 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
         predicted: Option<(&Unknown, &Tangent)>,
     ) -> Result<Converged, Failure> {
         let newton = &self.settings.newton;
+        let (held, share) = (self.held, self.share);
+        let is_free = matches!(held, Held::Response { .. });
         let Some((at, tangent)) = predicted else {
+            let free = if is_free { &[Parameter::Force][..] } else { &[] };
             let closure = Closure {
-                free: &[],
-                conditions: &|_, _| Vec::new(),
+                free,
+                conditions: &|unknown, _| amplitude(unknown, held, share, free.len()).into_iter().collect(),
             };
             let found = solve(&self.system, unknown, &closure, newton, &mut self.effort, BUDGET[0])?;
             return periodic(found);
         };
         let scale = self.metric(at);
         let settings = self.settings;
+        let free = match is_free {
+            true => &[Parameter::Square, Parameter::Force][..],
+            false => &[Parameter::Square],
+        };
         let conditions = |unknown: &Unknown, _: &Harmonics| {
             let mut change = unknown.v.clone();
             change.add(-1.0, &at.v);
@@ -495,14 +584,19 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
             let weight = tangent.log_omega / settings.frequency_step.powi(2);
             let mut gradient = tangent.p.clone();
             gradient.scale(scale);
-            vec![Condition {
+            let mut along = vec![0.0; free.len()];
+            along[0] = 0.5 * weight / a;
+            let arc = Condition {
                 value: gradient.dot(&change) + weight * log,
-                along: vec![0.5 * weight / a],
+                along,
                 gradient,
-            }]
+            };
+            std::iter::once(arc)
+                .chain(amplitude(unknown, held, share, free.len()))
+                .collect()
         };
         let closure = Closure {
-            free: &[Parameter::Square],
+            free,
             conditions: &conditions,
         };
         let found = solve(&self.system, unknown, &closure, newton, &mut self.effort, BUDGET[0])?;
@@ -533,6 +627,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
             v,
             p,
             log_omega: 0.5 * (to.at(Parameter::Square) / from.at(Parameter::Square)).ln() / length,
+            force: (to.at(Parameter::Force) - from.at(Parameter::Force)) / length,
         }
     }
 }

@@ -330,6 +330,7 @@ pub fn forced(levels: &[ForcedSummary]) -> Result<String, Error> {
         "level [{}]",
         levels.first().map_or("N", |level| level.level_unit.as_str())
     );
+    let held = levels.iter().any(ForcedSummary::holds_response);
     let moves = levels.iter().any(|level| level.base.is_some());
     let first = [
         level.as_str(),
@@ -356,7 +357,10 @@ pub fn forced(levels: &[ForcedSummary]) -> Result<String, Error> {
                 [amplitude, transmissibility, phase, force]
             });
             let empty = (moves && base.is_none()).then(Default::default);
-            row.chain(base.or(empty).into_iter().flatten()).collect::<Vec<_>>()
+            let force = held.then(|| of(&level.force));
+            row.chain(base.or(empty).into_iter().flatten())
+                .chain(force)
+                .collect::<Vec<_>>()
         })
     });
     let last = ["residual [-]", "turns"].into_iter();
@@ -366,7 +370,9 @@ pub fn forced(levels: &[ForcedSummary]) -> Result<String, Error> {
         "phase_lag_from_outside [deg]",
         "support_force [N]",
     ];
-    let last = last.chain(of_base.into_iter().filter(|_| moves));
+    let last = last
+        .chain(of_base.into_iter().filter(|_| moves))
+        .chain(held.then_some("force [N]"));
     table(headings.chain(last.map(str::to_owned)), rows)
 }
 

@@ -37,8 +37,8 @@ epmc_*: free motions by EPMC, a row per mode and amplitude that converged. epmc_
 epmc_displacement [m] (first harmonic at the response point), epmc_frequency [Hz] (first harmonic), epmc_damping_ratio and
 epmc_damping_floor [-], epmc_dissipation [J], epmc_residual [-], epmc_share_of_harmonics [-] (a column per harmonic from the first
 on, amplitude over that of the first in the norm of the mass; 0 beyond epmc_harmonics, the highest one that was solved for).
-forced_*: forced responses, a row per point along the curve of each level. forced_level [N], or of moving
-supports [m/s^2], forced_frequency [Hz],
+forced_*: forced responses, a row per point along the curve of each level. forced_level [N], of moving
+supports [m/s^2], of responses that are held [m], forced_force [N] or [m/s^2], forced_frequency [Hz],
 forced_amplitude [m] (first harmonic at the response point), forced_phase [degrees behind the force], forced_harmonics [m] (a column per
 harmonic from the first on), forced_residual [-], forced_turning (1 where the frequency turns back, else 0).
 resonance_*: motions a quarter period behind the force. resonance_level [N], resonance_frequency [Hz], resonance_amplitude [m].
@@ -109,7 +109,7 @@ impl<'a> PeriodicMotions<'a> {
     /// [`Error::Picture`].
     pub(crate) fn response_picture(&self, title: &str) -> Result<Option<String>, Error> {
         let frequencies = self.forced.iter().flat_map(|level| level.frequency.iter().copied());
-        let amplitudes = self.forced.iter().flat_map(|level| level.amplitude.iter().copied());
+        let amplitudes = self.forced.iter().flat_map(|level| level.ordinate().iter().copied());
         let (Some(x), Some(y)) = (bounds(frequencies), bounds(amplitudes.filter(|a| *a > 0.0))) else {
             return Ok(None);
         };
@@ -128,7 +128,7 @@ impl<'a> PeriodicMotions<'a> {
         let n = self.forced.len();
         let mut curves = Vec::new();
         for (index, level) in self.forced.iter().enumerate() {
-            let points = level.frequency.iter().zip(&level.amplitude);
+            let points = level.frequency.iter().zip(level.ordinate());
             curves.push(Curve {
                 name: named(index, n, || format!("{} {}", short(level.level), level.level_unit)),
                 points: numbered(points.map(|(f, a)| (*f, *a))),
@@ -149,7 +149,7 @@ impl<'a> PeriodicMotions<'a> {
                 ..solid(shade(index, n))
             });
         }
-        for (mode, points) in &self.epmc {
+        for (mode, points) in self.epmc.iter().filter(|_| !self.holds_response()) {
             let points = points.iter().enumerate();
             let line = points.filter_map(|(i, p)| Some((i, p.frequency_first_harmonic_hz?, p.response_displacement?)));
             let line: Points = line.collect();
@@ -167,13 +167,16 @@ impl<'a> PeriodicMotions<'a> {
                 ..solid(BLACK)
             });
         }
-        curves.extend(self.marks(|level, i| level.amplitude.get(i).copied(), |amplitude| amplitude, true));
+        curves.extend(self.marks(|level, i| level.ordinate().get(i).copied(), |amplitude| amplitude, true));
         let (x_text, y_ticks) = (decimals(&x), ticks(y));
         panel(
             area,
             x,
             log(y, &y_ticks),
-            "amplitude, first harmonic [m]",
+            match self.holds_response() {
+                true => "amplitude of the force [N]",
+                false => "amplitude, first harmonic [m]",
+            },
             "",
             [&x_text, &power],
             &curves,
@@ -233,7 +236,9 @@ impl<'a> PeriodicMotions<'a> {
             indices.filter_map(move |&i| Some((*level.frequency.get(i)?, turning(level, i)?)))
         });
         let resonances = self.forced.iter().flat_map(|level| &level.resonances);
-        let resonances = resonances.filter_map(|r| Some((r.frequency_hz?, resonance(r.amplitude?))));
+        let held = self.holds_response();
+        let resonances = resonances
+            .filter_map(move |r| Some((r.frequency_hz?, resonance(if held { r.force } else { r.amplitude }?))));
         let kinds = [
             ("turning point", Marks::Triangles, numbered(turns)),
             ("resonance", Marks::Crosses, numbered(resonances)),
@@ -247,6 +252,11 @@ impl<'a> PeriodicMotions<'a> {
                 points,
                 ..solid(BLACK)
             })
+    }
+
+    /// Whether the responses were held.
+    fn holds_response(&self) -> bool {
+        self.forced.iter().any(ForcedSummary::holds_response)
     }
 
     /// The arrays, named as [`ABOUT`] says.
@@ -315,6 +325,7 @@ impl<'a> PeriodicMotions<'a> {
             .flat_map(|level| level.frequency.iter().map(|_| level.level));
         arrays.column("forced_level", levels.collect())?;
         arrays.column("forced_frequency", each(|level| &level.frequency))?;
+        arrays.column("forced_force", each(|level| &level.force))?;
         arrays.column("forced_amplitude", each(|level| &level.amplitude))?;
         arrays.column("forced_phase", each(|level| &level.phase))?;
         arrays.column("forced_residual", each(|level| &level.residual))?;

@@ -118,10 +118,11 @@ fn section(summary: &Summary, pictures: Vec<Picture<'static>>) -> Section {
 /// Resonance, peak and error of one mode alone, level by level.
 fn levels_table(levels: &[ForcedSummary]) -> Table {
     let first = level_heading(levels);
+    let held = levels.iter().any(ForcedSummary::holds_response);
     let headings = [
-        &first,
+        first.as_str(),
         "resonance [Hz]",
-        "amplitude there [m]",
+        if held { "force there [N]" } else { "amplitude there [m]" },
         "largest amplitude [m]",
         "at [Hz]",
         "nonlinear mode alone: frequency [%]",
@@ -143,7 +144,7 @@ fn levels_table(levels: &[ForcedSummary]) -> Table {
         vec![
             level.level.to_string(),
             found(&|r| r.frequency_hz.map(|f| format!("{f:.3}"))),
-            found(&|r| r.amplitude.map(|a| format!("{a:.4e}"))),
+            found(&|r| if held { r.force } else { r.amplitude }.map(|a| format!("{a:.4e}"))),
             cell(level.peak.map(|p| p[1]), &|a| format!("{a:.4e}")),
             cell(level.peak.map(|p| p[0]), &|f| format!("{f:.3}")),
             cell(level.single_mode_error.map(|e| e[0]), &percent),
@@ -161,10 +162,11 @@ fn levels_table(levels: &[ForcedSummary]) -> Table {
 /// Heading of the levels, with their unit.
 fn level_heading(levels: &[ForcedSummary]) -> String {
     let base = levels.iter().find(|level| level.base.is_some());
-    base.map_or_else(
-        || "force [N]".into(),
-        |level| format!("supports [{}]", level.level_unit),
-    )
+    match (base, levels.iter().any(ForcedSummary::holds_response)) {
+        (Some(level), _) => format!("supports [{}]", level.level_unit),
+        (None, true) => "response [m]".into(),
+        (None, false) => "force [N]".into(),
+    }
 }
 
 /// A resonance as two cells: frequency and amplitude.
@@ -187,12 +189,15 @@ fn percent(value: f64) -> String {
 fn line(level: &ForcedSummary) -> String {
     let by = match level.base {
         Some(_) => "supports moving with",
+        None if level.holds_response() => "response held at",
         None => "force",
     };
     let mut out = format!("{by} {} {}: ", level.level, level.level_unit);
     for resonance in &level.resonances {
         let [frequency, amplitude] = cells(Some(resonance));
-        let _ = write!(out, "resonance {frequency} Hz, {amplitude} m; ");
+        let force = resonance.force.filter(|_| level.holds_response());
+        let force = force.map_or_else(String::new, |force| format!(", {force:.4e} N"));
+        let _ = write!(out, "resonance {frequency} Hz, {amplitude} m{force}; ");
     }
     if let Some([frequency, amplitude]) = level.peak {
         let _ = write!(out, "peak {amplitude:.4e} m at {frequency:.4} Hz; ");
@@ -236,9 +241,10 @@ fn files(run: &Run, motions: &PeriodicMotions<'_>) -> Result<(Vec<Output>, Vec<P
         if let Some(picture) = motions.response_picture(&title)? {
             let caption = format!(
                 "Response to {}. Amplitude: {}.",
-                match motions.forced.iter().any(|level| level.base.is_some()) {
-                    true => "harmonic motion of the supports, against them",
-                    false => "a harmonic force",
+                match motions.forced.first() {
+                    Some(level) if level.base.is_some() => "harmonic motion of the supports, against them",
+                    Some(level) if level.holds_response() => "a harmonic force that holds it",
+                    _ => "a harmonic force",
                 },
                 plot::amplitude_label(motions.response)
             );

@@ -3,7 +3,7 @@
 use super::check::Check;
 use super::epmc::sampling;
 use super::excitation::{Excitation, PointFields, check_base, check_point, point};
-use super::units::{Acceleration, Force};
+use super::units::{Acceleration, Force, Length};
 use crate::Error;
 use serde::{Deserialize, Serialize};
 
@@ -62,6 +62,9 @@ pub struct Forced {
     /// Amplitudes of the force (force).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub levels: Vec<Force>,
+    /// In their place, amplitudes of the first harmonic of the response that are held (length): a controlled test, of which the force is found.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub response_levels: Vec<Length>,
     /// First frequency (Hz).
     pub from_hz: f64,
     /// Last frequency (Hz); above or below the first.
@@ -93,6 +96,7 @@ impl Forced {
             rayleigh: None,
             base: None,
             levels,
+            response_levels: Vec::new(),
             from_hz,
             to_hz,
             harmonics: three(),
@@ -136,10 +140,16 @@ impl Forced {
         }
     }
 
-    /// Amplitudes of the force (N), or of the acceleration of the supports (m/s^2).
+    /// Whether the amplitude of the response is held, and not that of the force.
+    pub fn holds_response(&self) -> bool {
+        !self.response_levels.is_empty()
+    }
+
+    /// Amplitudes of the force (N), of the acceleration of the supports (m/s^2), or of the response (m).
     pub fn levels(&self) -> Vec<f64> {
         match &self.base {
             Some(base) => base.levels.iter().map(|level| level.si()).collect(),
+            None if self.holds_response() => self.response_levels.iter().map(|level| level.si()).collect(),
             None => self.levels.iter().map(|level| level.si()).collect(),
         }
     }
@@ -148,6 +158,7 @@ impl Forced {
     pub fn unit(&self) -> &'static str {
         match self.base {
             Some(_) => Acceleration::SI_SYMBOL,
+            None if self.holds_response() => Length::SI_SYMBOL,
             None => Force::SI_SYMBOL,
         }
     }
@@ -165,19 +176,27 @@ impl Forced {
             let fields = ["analyses.forced.base.direction", "analyses.forced.base.motion"];
             check_base(check, fields, (&base.direction, base.motion.as_ref()), is_matrices)?;
             let alone = self.levels.is_empty()
+                && !self.holds_response()
                 && point(self.node.as_ref(), self.direction, self.terms.as_ref()) == Excitation::Response;
             check.that(
                 alone,
                 "analyses.forced.base",
                 1.0,
                 "(given)",
-                "given without node, direction, terms and levels of a force; its own levels are accelerations",
+                "given without node, direction, terms and levels of a force or a response; its own levels are accelerations",
             )?;
         }
         if let Some(rayleigh) = self.rayleigh {
             check.not_negative("analyses.forced.rayleigh.mass", rayleigh.mass, "1/s")?;
             check.not_negative("analyses.forced.rayleigh.stiffness", rayleigh.stiffness, "s")?;
         }
+        check.that(
+            self.levels.is_empty() || !self.holds_response(),
+            "analyses.forced.response_levels",
+            self.response_levels.len() as f64,
+            "(levels)",
+            "left out where levels of the force are given",
+        )?;
         let levels = self.levels();
         check.that(
             !levels.is_empty(),

@@ -258,3 +258,28 @@ fn bases_and_spectra_that_cannot_be_are_refused_with_their_field() {
     );
     std::fs::remove_dir_all(folder).unwrap();
 }
+
+#[test]
+fn at_the_response_that_a_force_led_to_the_test_needs_that_force() {
+    let folder = folder("held");
+    let path = folder.join("oscillator.npz");
+    let found = |levels: Value| {
+        let mut forced = json!({ "from_hz": 15.0, "to_hz": 30.0, "harmonics": 3, "tolerance": 1e-11 });
+        forced
+            .as_object_mut()
+            .unwrap()
+            .extend(levels.as_object().unwrap().clone());
+        let run = try_run(&oscillator(&path, 0.2, json!({ "forced": forced }))).unwrap();
+        summary(&run).forced.remove(0)
+    };
+    let by_force = found(json!({ "levels": [12.0] }));
+    let resonance = &by_force.resonances[0];
+    let held = found(json!({ "response_levels": [resonance.amplitude.unwrap()] }));
+    assert_eq!((held.failure.as_deref(), held.level_unit.as_str()), (None, "m"));
+    assert!(held.amplitude.iter().all(|a| (a / held.level - 1.0).abs() < 1e-8));
+    assert!(held.energy_error.iter().all(|error| *error < 1e-9));
+    let again = &held.resonances[0];
+    assert!((again.force.unwrap() / 12.0 - 1.0).abs() < 1e-8);
+    assert!((again.frequency_hz.unwrap() / resonance.frequency_hz.unwrap() - 1.0).abs() < 1e-9);
+    std::fs::remove_dir_all(folder).unwrap();
+}

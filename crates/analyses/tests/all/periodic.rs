@@ -85,14 +85,9 @@ fn forced_responses_are_those_of_the_motion_in_time() {
             background,
             ..forced::Settings::default()
         };
-        let curve = forced::follow(
-            &line,
-            &force,
-            &row,
-            level,
-            &settings,
-            &mut |_| ControlFlow::Continue(()),
-        )
+        let curve = forced::follow(&line, &force, &row, forced::Held::Force(level), &settings, &mut |_| {
+            ControlFlow::Continue(())
+        })
         .unwrap();
         let point = &curve.points[0];
         let start = Start::Driven {

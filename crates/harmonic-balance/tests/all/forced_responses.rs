@@ -3,7 +3,7 @@
 use crate::common::{Element, Elements, chain, linearised};
 use faer::Mat;
 use harmonic_balance::backbone::{self, Kind};
-use harmonic_balance::forced::{Curve, Settings, follow, resonances};
+use harmonic_balance::forced::{Curve, Held, Settings, follow, resonances};
 use harmonic_balance::{NewtonSettings, Sampling, synthesis};
 use std::ops::ControlFlow;
 
@@ -35,7 +35,15 @@ fn a_duffing_oscillator_is_followed_through_both_turning_points() {
     let (stiffness, mass) = (Mat::full(1, 1, k), Mat::full(1, 1, m));
     let law = Elements::new(vec![Element::Cubic { coefficient: cubic }]);
     let line = linearised(&stiffness, &mass, &law, 1);
-    let curve = follow(&line, &law, &[1.0], force, &settings([0.5, 2.0], 1, beta), &mut go).unwrap();
+    let curve = follow(
+        &line,
+        &law,
+        &[1.0],
+        Held::Force(force),
+        &settings([0.5, 2.0], 1, beta),
+        &mut go,
+    )
+    .unwrap();
     assert!(curve.failure.is_none(), "{:?}", curve.failure);
     assert_eq!(curve.points.iter().filter(|point| point.turns).count(), 2);
     for point in &curve.points {
@@ -46,7 +54,15 @@ fn a_duffing_oscillator_is_followed_through_both_turning_points() {
         let viscous = 2.0 * beta * w * amplitude;
         assert!((stiff.hypot(viscous) / force - 1.0).abs() < 1e-8, "{w}: {amplitude}");
     }
-    let found = resonances(&line, &law, &[1.0], &curve, &settings([0.5, 2.0], 1, beta)).unwrap();
+    let found = resonances(
+        &line,
+        &law,
+        &[1.0],
+        Held::Force(force),
+        &curve,
+        &settings([0.5, 2.0], 1, beta),
+    )
+    .unwrap();
     assert_eq!(found.len(), 1);
     let resonance = found[0].as_ref().unwrap();
     let amplitude = resonance.displacement.along(&[1.0])[2];
@@ -57,6 +73,68 @@ fn a_duffing_oscillator_is_followed_through_both_turning_points() {
         .map(|p| p.displacement.along(&[1.0])[2])
         .fold(0.0, f64::max);
     assert!((highest / amplitude - 1.0).abs() < 1e-2);
+}
+
+#[test]
+fn a_duffing_oscillator_at_a_given_response_needs_the_force_of_the_closed_form_and_does_not_turn_back() {
+    let (k, m, cubic, beta, amplitude) = (1.0, 1.0, 0.5, 0.02, 1.5);
+    let (stiffness, mass) = (Mat::full(1, 1, k), Mat::full(1, 1, m));
+    let law = Elements::new(vec![Element::Cubic { coefficient: cubic }]);
+    let line = linearised(&stiffness, &mass, &law, 1);
+    let held = Held::Response { row: &[1.0], amplitude };
+    let settings = settings([0.5, 2.0], 1, beta);
+    let curve = follow(&line, &law, &[1.0], held, &settings, &mut go).unwrap();
+    assert!(curve.failure.is_none(), "{:?}", curve.failure);
+    assert!(curve.points.iter().all(|point| !point.turns));
+    let stiff = k + 0.75 * cubic * amplitude * amplitude;
+    for point in &curve.points {
+        let w = point.omega;
+        let expected = amplitude * (stiff - m * w * w).hypot(2.0 * beta * w);
+        assert!(
+            (point.force / expected - 1.0).abs() < 1e-7,
+            "{w}: {} for {expected}",
+            point.force
+        );
+        let along = point.displacement.along(&[1.0]);
+        assert!((along[1].hypot(along[2]) / amplitude - 1.0).abs() < 1e-9);
+        assert!(point.energy_error < 1e-9);
+    }
+    let found = resonances(&line, &law, &[1.0], held, &curve, &settings).unwrap();
+    let [Ok(resonance)] = found.as_slice() else {
+        panic!("{found:?}");
+    };
+    assert!((resonance.omega * resonance.omega / stiff - 1.0).abs() < 1e-9);
+    assert!((resonance.force / (2.0 * beta * stiff.sqrt() * amplitude) - 1.0).abs() < 1e-8);
+}
+
+#[test]
+fn at_the_response_of_a_resonance_the_force_is_that_which_led_to_it() {
+    let (stiffness, mass, law) = sliders();
+    let line = linearised(&stiffness, &mass, &law, 3);
+    let (row, tip) = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+    let omega = line.eigenvalues[0].sqrt();
+    let settings = settings([0.85 * omega, 1.1 * omega], 3, 2e-3);
+    for force in [0.05, 2.0] {
+        let held = Held::Force(force);
+        let curve = follow(&line, &law, &row, held, &settings, &mut go).unwrap();
+        let by_force = resonances(&line, &law, &row, held, &curve, &settings)
+            .unwrap()
+            .remove(0)
+            .unwrap();
+        let along = by_force.displacement.along(&tip);
+        let held = Held::Response {
+            row: &tip,
+            amplitude: along[1].hypot(along[2]),
+        };
+        let curve = follow(&line, &law, &row, held, &settings, &mut go).unwrap();
+        assert!(curve.failure.is_none(), "{force}: {:?}", curve.failure);
+        let found = resonances(&line, &law, &row, held, &curve, &settings)
+            .unwrap()
+            .remove(0)
+            .unwrap();
+        assert!((found.force / force - 1.0).abs() < 1e-7, "{force}: {}", found.force);
+        assert!((found.omega / by_force.omega - 1.0).abs() < 1e-8);
+    }
 }
 
 /// Three masses with sliders to the ground, driven at the first.
@@ -110,9 +188,9 @@ fn resonances_lie_on_the_backbone_of_phase_resonances_and_near_that_of_free_moti
     .unwrap();
     let free: Vec<_> = free.into_iter().map(|p| p.result.unwrap()).collect();
     for force in [0.05, 0.5, 2.0] {
-        let curve = follow(&line, &law, &row, force, &settings, &mut go).unwrap();
+        let curve = follow(&line, &law, &row, Held::Force(force), &settings, &mut go).unwrap();
         assert!(curve.failure.is_none(), "{force}: {:?}", curve.failure);
-        let found = resonances(&line, &law, &row, &curve, &settings).unwrap();
+        let found = resonances(&line, &law, &row, Held::Force(force), &curve, &settings).unwrap();
         let resonance = found[0].as_ref().unwrap();
         // The backbone at the amplitude of the resonance has its frequency, and needs its force.
         let [c, s] = resonance.displacement.pair(1);
@@ -159,7 +237,7 @@ fn harmonics_beyond_the_first_resonate_below_the_mode() {
     let law = Elements::new(vec![Element::Cubic { coefficient: 0.3 }]);
     let line = linearised(&stiffness, &mass, &law, 1);
     let settings = settings([0.2, 0.6], 7, 0.02);
-    let curve = follow(&line, &law, &[1.0], 0.3, &settings, &mut go).unwrap();
+    let curve = follow(&line, &law, &[1.0], Held::Force(0.3), &settings, &mut go).unwrap();
     assert!(curve.failure.is_none());
     let third = |p: &harmonic_balance::forced::Point| {
         let along = p.displacement.along(&[1.0]);
@@ -189,7 +267,7 @@ fn proportional_damping_is_that_of_the_linear_structure() {
         rayleigh: [of_mass, of_stiffness],
         ..settings([50.0, 75.0], 1, 0.0)
     };
-    let curve = follow(&line, &law, &[1.0, 0.0], 2.0, &with, &mut go).unwrap();
+    let curve = follow(&line, &law, &[1.0, 0.0], Held::Force(2.0), &with, &mut go).unwrap();
     assert!(curve.failure.is_none());
     for point in &curve.points {
         let w = point.omega;

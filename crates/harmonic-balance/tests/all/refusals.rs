@@ -2,7 +2,7 @@
 
 use crate::common::{Element, Elements, chain, linearised};
 use harmonic_balance::backbone::{self, Accuracy, Kind};
-use harmonic_balance::forced::{self, follow};
+use harmonic_balance::forced::{self, Held, follow};
 use harmonic_balance::{Error, NewtonSettings, Reason, Sampling};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -127,7 +127,7 @@ fn inadmissible_settings_of_forced_responses_are_named() {
             },
         ),
     ] {
-        let found = follow(&line, &force, &[1.0, 0.0], level, &settings, &mut |_| {
+        let found = follow(&line, &force, &[1.0, 0.0], Held::Force(level), &settings, &mut |_| {
             ControlFlow::Continue(())
         });
         let error = found.expect_err("refused");
@@ -136,18 +136,15 @@ fn inadmissible_settings_of_forced_responses_are_named() {
             "{name}: {error}"
         );
     }
-    let found = follow(&line, &force, &[1.0], 1.0, &good, &mut |_| ControlFlow::Continue(()));
+    let found = follow(&line, &force, &[1.0], Held::Force(1.0), &good, &mut |_| {
+        ControlFlow::Continue(())
+    });
     assert!(matches!(found, Err(Error::Size { .. })));
     // A curve that may have one point alone says that it ends early.
     let few = forced::Settings { max_points: 3, ..good };
-    let found = follow(
-        &line,
-        &force,
-        &[1.0, 0.0],
-        1.0,
-        &few,
-        &mut |_| ControlFlow::Continue(()),
-    )
+    let found = follow(&line, &force, &[1.0, 0.0], Held::Force(1.0), &few, &mut |_| {
+        ControlFlow::Continue(())
+    })
     .expect("a curve");
     assert_eq!(found.points.len(), 3);
     assert_eq!(found.failure.expect("it ends early").reason, Reason::IterationLimit);
@@ -230,7 +227,7 @@ fn periodic_motions_end_where_their_line_is_told_to() {
         range: [50.0, 60.0],
         ..forced::Settings::default()
     };
-    let curve = follow(&line, &force, &[1.0, 0.0], 1.0, &settings, &mut |_| {
+    let curve = follow(&line, &force, &[1.0, 0.0], Held::Force(1.0), &settings, &mut |_| {
         ControlFlow::Continue(())
     });
     assert!(matches!(curve, Err(Error::Interrupted)));

@@ -145,6 +145,7 @@ function showForced(host, levels) {
   const below = makeChart(charts, { height: 220, zoomed: (range) => partner.amplitude?.show(range) });
   Object.assign(partner, { amplitude: above, phase: below });
   let log = true;
+  const held = levels.some((level) => level.unit === "m");
   const shade = (i) => COLOURS[i % COLOURS.length];
   const curves = levels.flatMap((level, i) => {
     const name = `${readable(level.level)} ${level.unit}`;
@@ -162,7 +163,7 @@ function showForced(host, levels) {
       y: { label: `${label} [${unit}]`, name: label, unit, log: scale, round: true },
       curves: curves.map((curve) => ({ ...curve, points: curve[key].map((y, i) => ({ x: curve.f[i], y })) })),
     });
-    above.update(chart("amplitude", "displacement amplitude", "m", log));
+    above.update(held ? chart("amplitude", "amplitude of the force", "N", log) : chart("amplitude", "displacement amplitude", "m", log));
     below.update(chart("phase", "phase behind the force", "\u00b0", false));
   };
   const controls = element("div", { class: "controls", role: "group", "aria-label": "Axes" }, tick("log amplitude", log, (value) => {

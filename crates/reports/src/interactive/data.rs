@@ -82,9 +82,10 @@ pub(super) struct Band {
 #[derive(Debug, Serialize)]
 struct Level {
     level: f64,
+    /// `N`, `m/s^2` of moving supports, `m` of responses that are held.
     unit: String,
     frequency_hz: Vec<f64>,
-    /// m
+    /// m, or N where the response is held.
     amplitude: Vec<f64>,
     /// Degrees behind the force.
     phase: Vec<f64>,
@@ -190,7 +191,7 @@ impl Document {
                     level: level.level,
                     unit: level.level_unit.clone(),
                     frequency_hz: level.frequency.clone(),
-                    amplitude: level.amplitude.clone(),
+                    amplitude: level.ordinate().to_vec(),
                     phase: level.phase.clone(),
                     alone: alone.iter().map(|p| [p.frequency_hz, p.amplitude, p.phase]).collect(),
                 })
