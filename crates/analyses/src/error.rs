@@ -52,6 +52,12 @@ pub enum Error {
         /// What stands in the way, and what can be done about it.
         what: &'static str,
     },
+    /// A shock that cannot be followed.
+    #[error("analyses.shock: {reason}")]
+    Shock {
+        /// What is wrong, and what would be right.
+        reason: String,
+    },
     /// A preload that has opened wherever it was.
     #[error(
         "nothing is in contact under prestress: the preload has pushed the faces apart, as nothing holds them together; give a \
@@ -168,6 +174,7 @@ impl Error {
             Self::BoltLoads { .. } => Some("bolts.loads"),
             Self::Tightening { .. } => Some("analyses.tightening"),
             Self::NoResponse { .. } => Some("analyses.modes.followed"),
+            Self::Shock { .. } => Some("analyses.shock"),
             _ => None,
         }
     }

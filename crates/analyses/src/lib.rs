@@ -36,6 +36,7 @@ pub mod ring_down;
 mod run;
 mod sampling;
 mod sensitivities;
+pub mod shock;
 mod solve;
 mod solver;
 mod tightening;

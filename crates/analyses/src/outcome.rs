@@ -6,6 +6,7 @@ use super::mode_backbone::ModeAnalysis;
 use super::prestress::PrestressResult;
 use super::random::{RandomFailure, RandomVibration};
 use super::ring_down::RingDown;
+use super::shock::ShockResponse;
 use super::tightening::TighteningResult;
 use super::vibration::{Start, VibrationAnalysis};
 use crate::Error;
@@ -35,6 +36,8 @@ pub struct Vibration {
     pub forced: Option<Vec<ForcedResponse>>,
     /// Stationary random vibration, level by level, or why there is none.
     pub random: Option<Result<Vec<RandomVibration>, RandomFailure>>,
+    /// The shock, or why there is none.
+    pub shock: Option<Result<ShockResponse, Error>>,
     /// The ring-down, or why there is none.
     pub ring_down: Option<Result<RingDown, Error>>,
 }
@@ -58,6 +61,7 @@ impl Vibration {
         Ok(Self {
             forced: find(asked.forced.as_ref(), start, checkpoints)?,
             random: find(asked.random.as_ref(), start, checkpoints)?,
+            shock: find(asked.shock.as_ref(), start, checkpoints)?,
             ring_down: find(asked.ring_down.as_ref(), start, checkpoints)?,
         })
     }

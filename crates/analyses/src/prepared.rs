@@ -8,6 +8,7 @@ use super::joint_info::JointInfo;
 use super::outcome::Analysis;
 use super::prestress::{closing_force, linearise, load_of};
 use super::sensitivities::Neighbours;
+use super::shock;
 use super::solver::{Solver, tensions};
 use super::walks::{self, Beside};
 use super::warnings;
@@ -63,6 +64,7 @@ pub(super) fn prepare_on(
     progress: &dyn Progress,
 ) -> Result<(Structure, Prepared), Error> {
     scene.validate(&scene.name)?;
+    scene.analyses.shock.as_ref().map_or(Ok(()), shock::check)?;
     let structure = mesh(scene, progress)?;
     let prepared = Prepared::try_new(scene, &structure, options, progress)?;
     Ok((structure, prepared))

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-const STAGES: [Stage; 14] = [
+const STAGES: [Stage; 15] = [
     Stage::Mesh,
     Stage::Assemble,
     Stage::Factor,
@@ -19,6 +19,7 @@ const STAGES: [Stage; 14] = [
     Stage::Forced,
     Stage::Random,
     Stage::Ensemble,
+    Stage::Shock,
     Stage::Transient,
 ];
 

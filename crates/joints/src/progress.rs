@@ -31,6 +31,8 @@ pub enum Stage {
     Random,
     /// Realisations of an ensemble (skipped when none is asked for).
     Ensemble,
+    /// A shock followed in time (skipped when none is asked for).
+    Shock,
     /// A motion followed in time (skipped when none is asked for).
     Transient,
 }
@@ -52,6 +54,7 @@ impl Stage {
             Stage::Forced => "forced",
             Stage::Random => "random",
             Stage::Ensemble => "ensemble",
+            Stage::Shock => "shock",
             Stage::Transient => "transient",
         }
     }

@@ -29,6 +29,7 @@ mod median;
 pub mod peaks;
 mod point;
 pub mod readers;
+pub mod shock_spectrum;
 pub mod signal;
 pub mod smoothing;
 pub mod spectrum;

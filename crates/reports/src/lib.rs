@@ -30,6 +30,7 @@ pub mod ring_down;
 pub mod run;
 pub mod sensitivity;
 pub mod several;
+pub mod shock;
 pub mod styles;
 pub mod tightening;
 pub mod uncertainty;

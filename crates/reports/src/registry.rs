@@ -1,14 +1,15 @@
 //! All analyses whose results are shown beside the backbone.
 
 use crate::analysis::Analysis;
-use crate::{ensemble, names, periodic, random, ring_down, sensitivity, tightening, uncertainty};
+use crate::{ensemble, names, periodic, random, ring_down, sensitivity, shock, tightening, uncertainty};
 use analyses::results::summary::Summary;
 
 /// In the order of the page and of the terminal.
-pub static ANALYSES: [&Analysis; 7] = [
+pub static ANALYSES: [&Analysis; 8] = [
     &sensitivity::ANALYSIS,
     &periodic::ANALYSIS,
     &random::ANALYSIS,
+    &shock::ANALYSIS,
     &ring_down::ANALYSIS,
     &tightening::ANALYSIS,
     &ensemble::ANALYSIS,

@@ -6,6 +6,7 @@ use super::epmc::Epmc;
 use super::forced::Forced;
 use super::random::Random;
 use super::ring_down::RingDown;
+use super::shock::Shock;
 use super::tightening::Tightening;
 use super::units::Length;
 use crate::Error;
@@ -35,6 +36,9 @@ pub struct Analyses {
     /// Stationary random vibration.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub random: Option<Random>,
+    /// A shock, followed in time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shock: Option<Shock>,
     /// Free decay in time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ring_down: Option<RingDown>,

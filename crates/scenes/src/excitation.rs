@@ -2,7 +2,11 @@
 
 use super::analyses::Analyses;
 use super::check::Check;
+use super::uncertain::NumberOrText;
+use super::units::{Dimension, Quantity};
 use crate::Error;
+use serde::de::IntoDeserializer;
+use serde::de::value::Error as ValueError;
 use serde::{Deserialize, Serialize};
 
 /// What drives a structure.
@@ -56,8 +60,10 @@ impl Analyses {
                 ["analyses.random.force.node", "analyses.random.base"],
             )
         });
+        let shock = self.shock.iter();
+        let shock = shock.map(|asked| named(asked.excitation(), ["analyses.shock.force.node", "analyses.shock.base"]));
         let mut found: Vec<Driver> = Vec::new();
-        for driver in forced.chain(random) {
+        for driver in forced.chain(random).chain(shock) {
             let is_known = found.iter().any(|known| known.excitation == driver.excitation);
             if driver.excitation != Excitation::Response && !is_known {
                 found.push(driver);
@@ -106,6 +112,69 @@ pub(super) struct PointFields {
     pub(super) node: &'static str,
     pub(super) direction: &'static str,
     pub(super) terms: &'static str,
+}
+
+/// Names of the fields of an excitation in a scene.
+pub(super) struct ExcitationFields {
+    /// Direction and motion of the base.
+    pub(super) base: [&'static str; 2],
+    pub(super) point: PointFields,
+}
+
+/// Whether it is the base that moves, of a base and a force of which one must be given.
+pub(super) fn one_of(base: Option<&BaseMotion>, force: Option<&PointForce>) -> Result<bool, String> {
+    match (base, force) {
+        (Some(_), None) => Ok(true),
+        (None, Some(_)) => Ok(false),
+        _ => Err("exactly one of `base` and `force` must be given".into()),
+    }
+}
+
+/// What a base or a force, of which one is given, is.
+pub(super) fn excitation(base: Option<&BaseMotion>, force: Option<&PointForce>) -> Excitation {
+    match (base, force) {
+        (Some(base), _) => Excitation::Base {
+            direction: base.direction,
+            motion: base.motion.clone(),
+        },
+        (None, Some(force)) => point(force.node.as_ref(), force.direction, force.terms.as_ref()),
+        (None, None) => Excitation::Response,
+    }
+}
+
+/// A number in the units of the file, or a text, as a quantity of a moving base or of a force, in SI.
+pub(super) fn of_kind<B: Dimension, F: Dimension>(is_base: bool, value: &NumberOrText) -> Result<f64, String> {
+    fn of<D: Dimension>(value: &NumberOrText) -> Result<f64, String> {
+        let found: Result<Quantity<D>, ValueError> = match value {
+            NumberOrText::Number(number) => Quantity::deserialize((*number).into_deserializer()),
+            NumberOrText::Text(text) => Quantity::deserialize(text.as_str().into_deserializer()),
+        };
+        found.map(Quantity::si).map_err(|error| error.to_string())
+    }
+    if is_base { of::<B>(value) } else { of::<F>(value) }
+}
+
+/// Refuses what cannot be of a base or a force.
+pub(super) fn check_excitation(
+    check: &Check<'_>,
+    fields: &ExcitationFields,
+    base: Option<&BaseMotion>,
+    force: Option<&PointForce>,
+    is_matrices: bool,
+) -> Result<(), Error> {
+    if let Some(base) = base {
+        check_base(check, fields.base, (&base.direction, base.motion.as_ref()), is_matrices)?;
+    }
+    match force {
+        Some(force) => check_point(
+            check,
+            &fields.point,
+            force.node.as_ref(),
+            force.direction,
+            force.terms.as_ref(),
+        ),
+        None => Ok(()),
+    }
 }
 
 /// What a node, a direction and terms, of which none need be given, make up.

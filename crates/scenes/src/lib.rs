@@ -30,6 +30,7 @@ mod scene;
 #[cfg(feature = "schema")]
 mod schema;
 mod scoped;
+mod shock;
 mod structure;
 mod surface;
 mod tightening;
@@ -65,6 +66,7 @@ pub use scans::{Noise, Place, Readings, Registration, ScanFile, Scans};
 pub use scene::Scene;
 #[cfg(feature = "schema")]
 pub use schema::file_schema;
+pub use shock::{Pulse, PulseShape, Record, Shock};
 pub use structure::{
     ContactPoint, Coordinates, Deck, DeckBolt, DeckResponse, MaterialSource, Matrices, MatrixVector, Model, PlaneMesh,
     PointMass, Sides, StructureBlock, StructureSource, Untied,

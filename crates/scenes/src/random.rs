@@ -1,19 +1,23 @@
 //! Stationary random vibration.
 
 use super::check::Check;
-use super::excitation::{BaseMotion, Excitation, PointFields, PointForce, check_base, check_point, point};
+use super::excitation::{
+    BaseMotion, Excitation, ExcitationFields, PointFields, PointForce, check_excitation, excitation, of_kind, one_of,
+};
 use super::uncertain::NumberOrText;
-use super::units::{Acceleration, AccelerationDensity, Dimension, Force, ForceDensity, Quantity};
+use super::units::dimension::{OfAccelerationDensity, OfForceDensity};
+use super::units::{Acceleration, AccelerationDensity, Force, ForceDensity};
 use crate::Error;
-use serde::de::IntoDeserializer;
-use serde::de::value::Error as ValueError;
 use serde::{Deserialize, Serialize};
 
-/// Names of the fields of `force`.
-pub(super) const FORCE: PointFields = PointFields {
-    node: "analyses.random.force.node",
-    direction: "analyses.random.force.direction",
-    terms: "analyses.random.force.terms",
+/// Names of the fields of its excitation.
+pub(super) const FIELDS: ExcitationFields = ExcitationFields {
+    base: ["analyses.random.base.direction", "analyses.random.base.motion"],
+    point: PointFields {
+        node: "analyses.random.force.node",
+        direction: "analyses.random.force.direction",
+        terms: "analyses.random.force.terms",
+    },
 };
 
 /// Stationary random vibration under a moving base or a force, from the backbones of the modes followed.
@@ -57,26 +61,14 @@ fn as_given() -> Vec<f64> {
     vec![1.0]
 }
 
-/// A density of one dimension, from a number in the units of the file or a text.
-fn density<D: Dimension>(value: &NumberOrText) -> Result<f64, String> {
-    let found: Result<Quantity<D>, ValueError> = match value {
-        NumberOrText::Number(number) => Quantity::deserialize((*number).into_deserializer()),
-        NumberOrText::Text(text) => Quantity::deserialize(text.as_str().into_deserializer()),
-    };
-    found.map(Quantity::si).map_err(|error| error.to_string())
-}
-
 impl TryFrom<RandomFields> for Random {
     type Error = String;
 
     fn try_from(fields: RandomFields) -> Result<Self, String> {
-        let of_one = match (&fields.base, &fields.force) {
-            (Some(_), None) => density::<super::units::dimension::OfAccelerationDensity>,
-            (None, Some(_)) => density::<super::units::dimension::OfForceDensity>,
-            _ => return Err("exactly one of `base` and `force` must be given".into()),
-        };
+        let is_base = one_of(fields.base.as_ref(), fields.force.as_ref())?;
         let psd = fields.psd.iter().zip(1..).map(|((frequency, value), number)| {
-            let value = of_one(value).map_err(|reason| format!("psd, number {number}: {reason}"))?;
+            let value = of_kind::<OfAccelerationDensity, OfForceDensity>(is_base, value)
+                .map_err(|reason| format!("psd, number {number}: {reason}"))?;
             Ok((*frequency, value))
         });
         Ok(Self {
@@ -91,14 +83,7 @@ impl TryFrom<RandomFields> for Random {
 impl Random {
     /// What drives the structure.
     pub fn excitation(&self) -> Excitation {
-        match (&self.base, &self.force) {
-            (Some(base), _) => Excitation::Base {
-                direction: base.direction,
-                motion: base.motion.clone(),
-            },
-            (None, Some(force)) => point(force.node.as_ref(), force.direction, force.terms.as_ref()),
-            (None, None) => Excitation::Response,
-        }
+        excitation(self.base.as_ref(), self.force.as_ref())
     }
 
     /// Unit of the load.
@@ -119,19 +104,7 @@ impl Random {
 
     /// Refuses values outside their ranges; `amplitudes` are those of the backbone.
     pub(super) fn validate(&self, check: &Check<'_>, amplitudes: usize, is_matrices: bool) -> Result<(), Error> {
-        if let Some(base) = &self.base {
-            let fields = ["analyses.random.base.direction", "analyses.random.base.motion"];
-            check_base(check, fields, (&base.direction, base.motion.as_ref()), is_matrices)?;
-        }
-        if let Some(force) = &self.force {
-            check_point(
-                check,
-                &FORCE,
-                force.node.as_ref(),
-                force.direction,
-                force.terms.as_ref(),
-            )?;
-        }
+        check_excitation(check, &FIELDS, self.base.as_ref(), self.force.as_ref(), is_matrices)?;
         let field = "analyses.random.psd";
         let points = self.psd.len();
         check.that(

@@ -363,7 +363,9 @@ impl Scene {
             Surface::Scans(scans) => Some([&mut scans.top.path, &mut scans.bottom.path]),
             _ => None,
         });
-        structure.into_iter().chain(scans.flatten())
+        let record = self.analyses.shock.as_mut().and_then(|shock| shock.record.as_mut());
+        let record = record.map(|record| &mut record.path);
+        structure.into_iter().chain(scans.flatten()).chain(record)
     }
 
     /// The measured surface that the scene's `surface` stands for; none for scans and given parameters.

@@ -10,6 +10,7 @@ use crate::mesh::MeshFile;
 use crate::random;
 use crate::scale::Scale;
 use crate::scene::Scene;
+use crate::shock;
 use crate::structure::{ContactPoint, Deck};
 use crate::surface::{Gap, ParameterSet, Parameters, Per, Surface};
 use crate::units::{Density, Length, Stress, SurfaceEnergy};
@@ -419,7 +420,11 @@ impl Scene {
         }
         if let Some(asked) = &self.analyses.random {
             asked.validate(check, self.analyses.backbone.amplitudes, source[1])?;
-            check_structure(check, &random::FORCE, &asked.excitation(), source)?;
+            check_structure(check, &random::FIELDS.point, &asked.excitation(), source)?;
+        }
+        if let Some(asked) = &self.analyses.shock {
+            asked.validate(check, source[1])?;
+            check_structure(check, &shock::FIELDS.point, &asked.excitation(), source)?;
         }
         for number in self.fields_at() {
             check.that(

@@ -91,6 +91,8 @@ pub enum InputRole {
     TopScan,
     /// Scan of the bottom face.
     BottomScan,
+    /// A record of a load in time.
+    Record,
 }
 
 impl InputRole {
@@ -101,6 +103,7 @@ impl InputRole {
             Self::Deck | Self::DeckInclude => file_io::input::Kind::Deck,
             Self::Mesh => file_io::input::Kind::Mesh,
             Self::Matrices => file_io::input::Kind::Matrices,
+            Self::Record => file_io::input::Kind::Record,
             Self::TopScan | Self::BottomScan => file_io::input::Kind::Scan,
         }
     }
@@ -194,6 +197,9 @@ pub fn inputs_of(scene: &Scene) -> Result<Vec<Input>, Error> {
             files.push((InputRole::TopScan, scans.top.path.clone()));
             files.push((InputRole::BottomScan, scans.bottom.path.clone()));
         }
+    }
+    if let Some(record) = scene.analyses.shock.as_ref().and_then(|shock| shock.record.as_ref()) {
+        files.push((InputRole::Record, record.path.clone()));
     }
     files.iter().map(|(role, path)| Input::of_file(*role, path)).collect()
 }

@@ -13,6 +13,7 @@ use crate::mesh_error::MeshEstimate;
 use crate::methods::MethodPoint;
 use crate::random::RandomSummary;
 use crate::ring_down::RingDownSummary;
+use crate::shock::ShockSummary;
 use crate::uncertainty::Uncertainty;
 use crate::validity::Validity;
 use crate::warnings::Warning;
@@ -25,7 +26,7 @@ use joint_model::benchmark::Symmetry;
 use joint_model::quadratic::RaisedElements;
 use joints::interface::{LawReport, PartReport};
 use joints::structure::Overview;
-use scenes::{BoltBehaviour, EPMC, Forced, PRESETS, Preset, Scene, StructureSource, TorqueReport};
+use scenes::{BoltBehaviour, EPMC, Forced, PRESETS, Preset, Scene, Shock, StructureSource, TorqueReport};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
@@ -118,6 +119,9 @@ pub struct Summary {
     /// Why there is none although it was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub random_failure: Option<String>,
+    /// A shock in time; left out unless asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shock: Option<ShockSummary>,
     /// Free decay in time; left out unless asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ring_down: Option<RingDownSummary>,
@@ -464,6 +468,10 @@ impl Summary {
                 .random
                 .as_ref()
                 .and_then(|found| found.as_ref().err().map(ToString::to_string)),
+            shock: run.vibration.shock.as_ref().map(|found| {
+                let unit = run.scene.analyses.shock.as_ref().map_or("N", Shock::load_unit);
+                ShockSummary::of(found, unit)
+            }),
             ring_down: run.vibration.ring_down.as_ref().map(RingDownSummary::of),
             validity: run.validity().clone(),
             skipped: skipped(run),
@@ -530,6 +538,7 @@ impl Summary {
             forced: Vec::new(),
             random: Vec::new(),
             random_failure: None,
+            shock: None,
             ring_down: None,
             ..self.clone()
         }

@@ -283,3 +283,86 @@ fn at_the_response_that_a_force_led_to_the_test_needs_that_force() {
     assert!((again.frequency_hz.unwrap() / resonance.frequency_hz.unwrap() - 1.0).abs() < 1e-9);
     std::fs::remove_dir_all(folder).unwrap();
 }
+
+/// A shock of the oscillator's base.
+fn shock(path: &Path, amplitude: f64, change: impl Fn(&mut Value)) -> Value {
+    let motion = json!([[7, 1, 1.0], [-1, 1, 1.0]]);
+    let mut asked = json!({
+        "base": { "direction": [1.0, 0.0, 0.0], "motion": motion },
+        "pulse": { "shape": "half-sine", "amplitude": amplitude, "duration_s": 0.02 },
+        "periods": 60, "steps_per_period": 200,
+    });
+    change(&mut asked);
+    oscillator(path, 0.2, json!({ "shock": asked }))
+}
+
+#[test]
+fn a_shock_that_moves_little_is_that_of_the_linear_joint_and_a_large_one_leaves_something_behind() {
+    let folder = folder("shock");
+    let path = folder.join("oscillator.npz");
+    let found = |scene: &Value| summary(&try_run(scene).unwrap()).shock.unwrap();
+    let small = found(&shock(&path, 0.1, |_| ()));
+    assert_eq!((small.failure.as_deref(), small.load_unit.as_str()), (None, "m/s^2"));
+    assert!((small.largest_load / 0.1 - 1.0).abs() < 1e-3);
+    let same = |[a, b]: [f64; 2]| (a / b - 1.0).abs();
+    assert!(same(small.largest_response) < 1e-6 && same(small.largest_acceleration) < 1e-6);
+    assert!(small.energy_error < 0.02, "{}", small.energy_error);
+    for (joint, linear) in small.spectrum.joint.iter().zip(&small.spectrum.linear) {
+        assert!(same([*joint, *linear]) < 1e-6);
+    }
+    let large = found(&shock(&path, 100.0, |_| ()));
+    assert!(large.largest_response[0] < 1e3 * small.largest_response[0] * 1.5);
+    // What friction takes lowers the peak of the spectrum, and what is left is a thousandth or more of the motion, but no more than friction can hold.
+    let peak = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+    assert!(peak(&large.spectrum.joint) < 0.98 * peak(&large.spectrum.linear));
+    let held = 0.2 * 50.0 / 4e4;
+    let left = large.residual_sliding;
+    println!("{left:e} of {held:e}, still {:e}", large.still_moving);
+    assert!(left > 1e-3 * held && left < held, "{left} {held}");
+    assert!(large.work_on_contact > 0.0);
+
+    // The same pulse as a file.
+    let file = folder.join("pulse.csv");
+    let lines = (0..=400).map(|i| {
+        let time = f64::from(i) * 1e-4;
+        let value = if time <= 0.02 {
+            100.0 * (std::f64::consts::PI * time / 0.02).sin()
+        } else {
+            0.0
+        };
+        format!("{time},{value}\n")
+    });
+    let text = "time [s],base [m/s^2]\n".to_owned() + &lines.collect::<String>();
+    std::fs::write(&file, text).unwrap();
+    let recorded = found(&shock(&path, 1.0, |asked| {
+        let asked = asked.as_object_mut().unwrap();
+        asked.remove("pulse");
+        asked.insert("record".into(), json!({ "path": file }));
+    }));
+    assert_eq!(recorded.failure, None);
+    assert!((recorded.largest_response[0] / large.largest_response[0] - 1.0).abs() < 2e-3);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn shocks_that_cannot_be_are_refused() {
+    let folder = folder("shock-refused");
+    let path = folder.join("oscillator.npz");
+    let refused = |change: &dyn Fn(&mut Value)| match try_run(&shock(&path, 1.0, change)) {
+        Err(error) => error.to_string(),
+        Ok(run) => summary(&run).shock.unwrap().failure.unwrap(),
+    };
+    let short = refused(&|asked| asked["pulse"]["duration_s"] = json!(1e-4));
+    assert!(short.contains("steps_per_period"), "{short}");
+    let both = refused(&|asked| asked["record"] = json!({ "path": "pulse.csv" }));
+    assert!(both.contains("exactly one of `pulse` and `record`"), "{both}");
+    let gone = refused(&|asked| {
+        let asked = asked.as_object_mut().unwrap();
+        asked.remove("pulse");
+        asked.insert("record".into(), json!({ "path": folder.join("none.csv") }));
+    });
+    assert!(gone.contains("none.csv"), "{gone}");
+    let zero = refused(&|asked| asked["pulse"]["amplitude"] = json!(0.0));
+    assert!(zero.contains("analyses.shock.pulse.amplitude"), "{zero}");
+    std::fs::remove_dir_all(folder).unwrap();
+}

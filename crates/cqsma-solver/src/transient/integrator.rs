@@ -10,7 +10,6 @@ use crate::newton::{Equilibrium, Failure, Goal, Load, NewtonSettings, Reason, Se
 use crate::path::Path;
 use contact_laws::Sticking;
 use dense_algebra::{Inner, Packed, SystemMatrix, Vector};
-use std::f64::consts::PI;
 
 /// Equal steps of the modal force that a released motion is loaded in.
 const LOADING_STEPS: usize = 16;
@@ -153,7 +152,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
     /// Brings the structure to where its motion begins.
     pub(super) fn begin(&mut self) -> Result<(), Failure> {
         let modal_force = match self.start {
-            Start::Pulse { .. } => return Ok(()),
+            Start::Pulse { .. } | Start::Record { .. } => return Ok(()),
             Start::Driven { motion, .. } => {
                 self.place(motion);
                 return Ok(());
@@ -252,32 +251,13 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
             damping,
             stiffness,
             round_off: stuck.round_off(pattern, reference, &self.structure.contact_force),
-            pulse: match self.start {
-                Start::Pulse { point, .. } | Start::Driven { point, .. } => {
-                    self.peak_force() * stuck.response(point).norm()
-                }
-                Start::Release { .. } => 0.0,
-            },
+            pulse: self
+                .start
+                .point()
+                .map_or(0.0, |point| self.start.peak_force() * stuck.response(point).norm()),
             stuck,
         });
         Ok(())
-    }
-
-    fn peak_force(&self) -> f64 {
-        match self.start {
-            Start::Pulse { impulse, duration, .. } => 0.5 * PI * impulse / duration,
-            Start::Driven { amplitude, .. } => *amplitude,
-            Start::Release { .. } => 0.0,
-        }
-    }
-
-    /// External force along its row (N).
-    fn external_force(&self, time: f64) -> f64 {
-        match self.start {
-            Start::Pulse { duration, .. } if time < *duration => self.peak_force() * (PI * time / duration).sin(),
-            Start::Driven { amplitude, omega, .. } => amplitude * (omega * time).cos(),
-            _ => 0.0,
-        }
     }
 
     /// One step, in halves if it must be. The outer result is that of a factorisation.
@@ -311,7 +291,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
     fn step(&mut self, index: usize) -> Result<(), Failure> {
         let h = self.levels[index].step;
         let ahead = self.ahead(h);
-        let pulse = [self.external_force(self.time), self.external_force(self.time + h)];
+        let pulse = [self.start.force_at(self.time), self.start.force_at(self.time + h)];
         let load = self.load(index, &ahead, pulse);
         let here = self.here(index);
         self.settle(index, &load, &here, pulse[1])?;
@@ -352,7 +332,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
             (-old, &self.elastic_force),
         ]);
         add(&mut load, -old, &self.contact);
-        if let Start::Pulse { point, .. } | Start::Driven { point, .. } = self.start {
+        if let Some(point) = self.start.point() {
             add(&mut load, after + old * before, point);
         }
         if !self.damping.modes.is_empty() {
@@ -397,7 +377,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         let energy = self.energy.kinetic + self.energy.elastic;
         let eigenvalue = self.mode.eigenvalue;
         let inertia = (2.0 * energy * eigenvalue / (eigenvalue + level.inertia)).sqrt();
-        let pulse = if pulse > 0.0 { level.pulse } else { 0.0 };
+        let pulse = if pulse == 0.0 { 0.0 } else { level.pulse };
         let goal = Goal {
             factor: 1.0,
             load: Load::Pattern(load),
@@ -439,7 +419,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         let shared = &advance[..contact.len()];
         let work = |before: &[f64], after: &[f64], way: &[f64]| 0.5 * (dot(before, way) + dot(after, way));
         self.energy.contact += work(&self.contact, &contact, shared);
-        if let Start::Pulse { point, .. } | Start::Driven { point, .. } = self.start {
+        if let Some(point) = self.start.point() {
             self.energy.external += 0.5 * (force_before + force_after) * dot(point, &advance);
         }
         let mut mass_displacement = vec![0.0; displacement.len()];
@@ -475,6 +455,11 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         self.mass_acceleration = mass_acceleration;
         self.contact = contact;
         self.time += h;
+    }
+
+    /// Displacements of all coordinates (m).
+    pub(super) fn displacement(&self) -> &[f64] {
+        &self.displacement
     }
 
     pub(super) fn sample(&self, row: &[f64]) -> Sample {

@@ -27,6 +27,9 @@ use std::ops::ControlFlow;
 /// Most steps of a motion: a hundred thousand periods of a hundred steps, whose record takes 1 GB. Free motions have decayed long before.
 pub const MOST_STEPS: usize = 10_000_000;
 
+/// Periods over which the mean is taken that a motion settles at.
+const SETTLED: usize = 2;
+
 /// Follows the motion of a structure, whose displacement, velocity and acceleration along `row` are recorded; `observe`
 /// hears of every sample and may stop the run.
 ///
@@ -48,6 +51,7 @@ pub fn run<F: HystereticForce>(
     let mut transient = Transient {
         step,
         samples: Vec::new(),
+        settled: vec![0.0; structure.shapes.nrows()],
         failure: None,
         halved_steps: 0,
         residual: 0.0,
@@ -55,7 +59,9 @@ pub fn run<F: HystereticForce>(
         effort: Effort::default(),
     };
     let mut failure = integrator.begin().err();
-    for number in 0..=settings.steps_per_period * settings.periods {
+    let steps = settings.steps_per_period * settings.periods;
+    let last = (SETTLED * settings.steps_per_period).min(steps).max(1);
+    for number in 0..=steps {
         if failure.is_none() && number > 0 {
             failure = integrator.advance(step, 0)?.err();
         }
@@ -64,6 +70,10 @@ pub fn run<F: HystereticForce>(
         }
         // Without the round-off of summing steps.
         integrator.time = number as f64 * step;
+        if number + last > steps {
+            let moved = transient.settled.iter_mut().zip(integrator.displacement());
+            moved.for_each(|(mean, u)| *mean += u / last as f64);
+        }
         let sample = integrator.sample(row);
         transient.samples.push(sample);
         if observe(&sample).is_break() {
@@ -130,6 +140,16 @@ fn check<S>(structure: &Linearisation<'_, S>, row: &[f64], start: &Start, settin
             motion
                 .iter()
                 .try_for_each(|part| check_size("the motion at the start", part.len(), n))
+        }
+        Start::Record { step, .. } if !positive(*step) => refuse("step", *step, "positive and finite"),
+        Start::Record { values, point, .. } => {
+            if let Some(wrong) = values.iter().find(|value| !value.is_finite()) {
+                return refuse("values", *wrong, "finite");
+            }
+            if values.iter().all(|value| *value == 0.0) {
+                return refuse("values", 0.0, "not all zero");
+            }
+            check_size("the row loaded", point.len(), n)
         }
         Start::Release { .. } => Ok(()),
     }

@@ -2,6 +2,7 @@
 
 use super::scheme::AlgorithmicError;
 use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings};
+use std::f64::consts::PI;
 
 /// How motion begins.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +34,58 @@ pub enum Start {
         /// Displacements from the static state (m), velocities (m/s) and accelerations (m/s^2) at time zero.
         motion: [Vec<f64>; 3],
     },
+    /// Loaded at rest by a force that is known at equal steps of time, the first of them one step after the start, at which there is none: straight lines
+    /// between them, nothing one step after the last.
+    Record {
+        /// Step (s).
+        step: f64,
+        /// Forces (N).
+        values: Vec<f64>,
+        /// Work-conjugate displacement as a row over the coordinates.
+        point: Vec<f64>,
+    },
+}
+
+impl Start {
+    /// External force at a time (N).
+    pub fn force_at(&self, time: f64) -> f64 {
+        match self {
+            Self::Release { .. } => 0.0,
+            Self::Pulse { duration, .. } if time < *duration => self.peak_force() * (PI * time / duration).sin(),
+            Self::Pulse { .. } => 0.0,
+            Self::Driven { amplitude, omega, .. } => amplitude * (omega * time).cos(),
+            Self::Record { step, values, .. } => recorded(*step, values, time),
+        }
+    }
+
+    /// Largest size of the external force (N).
+    pub(super) fn peak_force(&self) -> f64 {
+        match self {
+            Self::Release { .. } => 0.0,
+            Self::Pulse { impulse, duration, .. } => 0.5 * PI * impulse / duration,
+            Self::Driven { amplitude, .. } => *amplitude,
+            Self::Record { values, .. } => values.iter().fold(0.0, |most, value| value.abs().max(most)),
+        }
+    }
+
+    /// The row that an external force acts along, if there is one.
+    pub(super) fn point(&self) -> Option<&[f64]> {
+        match self {
+            Self::Release { .. } => None,
+            Self::Pulse { point, .. } | Self::Driven { point, .. } | Self::Record { point, .. } => Some(point),
+        }
+    }
+}
+
+/// Value at a time of a record whose values are one step apart, the first one step after zero.
+fn recorded(step: f64, values: &[f64], time: f64) -> f64 {
+    let place = time / step;
+    let before = place.floor();
+    let at = |index: f64| match index >= 1.0 && index <= values.len() as f64 {
+        true => values[index as usize - 1],
+        false => 0.0,
+    };
+    at(before) + (place - before) * (at(before + 1.0) - at(before))
 }
 
 /// How a motion is followed.
@@ -91,7 +144,7 @@ pub struct Energy {
     pub contact: f64,
     /// Work done against viscous forces.
     pub viscous: f64,
-    /// Work of the pulse or of the harmonic force.
+    /// Work of the external force.
     pub external: f64,
 }
 
@@ -125,6 +178,8 @@ pub struct Transient {
     pub step: f64,
     /// Uniform in time, the first at the start.
     pub samples: Vec<Sample>,
+    /// Mean displacement of all coordinates over the last two periods of the mode (m): where the motion settles.
+    pub settled: Vec<f64>,
     /// Why it ended before its time.
     pub failure: Option<Failure>,
     /// Steps that had to be halved.

@@ -550,3 +550,88 @@ fn the_period_of_a_frictional_bar_is_that_of_the_first_harmonic_and_not_of_the_s
     }
     assert!(seen >= 6, "{seen}");
 }
+
+#[test]
+fn a_recorded_load_is_what_it_records() {
+    // The half-sine of a pulse, sampled: the same motion but for its straight lines.
+    let oscillator = Oscillator::new(3.0, 1000.0, (500.0, STUCK));
+    let omega = (1500.0_f64 / 3.0).sqrt();
+    let (duration, impulse) = (0.4 * TAU / omega, 2.0);
+    let settings = Settings {
+        steps_per_period: 400,
+        periods: 5,
+        ..Settings::default()
+    };
+    let pulse = Start::Pulse {
+        impulse,
+        duration,
+        point: vec![1.0],
+    };
+    let samples = 2000;
+    let step = duration / f64::from(samples);
+    let values = (1..=samples).map(|k| pulse.force_at(f64::from(k) * step)).collect();
+    let record = Start::Record {
+        step,
+        values,
+        point: vec![1.0],
+    };
+    assert_eq!(record.force_at(0.0), 0.0);
+    assert!((record.force_at(0.5 * duration) / (0.5 * PI * impulse / duration) - 1.0).abs() < 1e-12);
+    assert_eq!(record.force_at(2.0 * duration), 0.0);
+    let [a, b] = [&pulse, &record].map(|start| oscillator.run(start, &settings));
+    let largest = a.samples.iter().map(|s| s.displacement.abs()).fold(0.0, f64::max);
+    let apart = a.samples.iter().zip(&b.samples);
+    let apart = apart
+        .map(|(a, b)| (a.displacement - b.displacement).abs())
+        .fold(0.0, f64::max);
+    assert!(apart < 1e-6 * largest, "{apart} {largest}");
+    for (values, step) in [(vec![], 1.0), (vec![0.0], 1.0), (vec![f64::NAN], 1.0), (vec![1.0], 0.0)] {
+        let start = Start::Record {
+            step,
+            values,
+            point: vec![1.0],
+        };
+        let (k, m) = (oscillator.stiffness.as_ref(), oscillator.mass.as_ref());
+        let line = modes::linearise(k, m, &oscillator.force, vec![0.0], oscillator.force.initial_state(), 1).unwrap();
+        let found = run(&line, &oscillator.force, &[1.0], &start, &settings, &mut |_| {
+            ControlFlow::Continue(())
+        });
+        assert!(matches!(found, Err(Error::Setting { .. })));
+    }
+}
+
+#[test]
+fn a_slider_that_was_pushed_stays_where_the_springs_balance() {
+    // A force that rises slowly beyond slip and falls again slowly: the mass comes to rest where the spring carries what friction is left, the closed form
+    // of the static path: at the top the slider has slipped, on the way back it follows elastically and slips again if it must.
+    let (k, kt, limit, peak) = (1000.0, 4000.0, 1.0, 6.0);
+    let oscillator = Oscillator::new(1.0, k, (kt, limit));
+    let omega = ((k + kt) / 1.0_f64).sqrt();
+    let periods = 400;
+    let duration = 0.6 * f64::from(periods) * TAU / omega;
+    let steps = 4000;
+    let step = duration / f64::from(steps);
+    let values = (1..steps)
+        .map(|i| peak * (PI * f64::from(i) / f64::from(steps)).sin().powi(2))
+        .collect();
+    let start = Start::Record {
+        step,
+        values,
+        point: vec![1.0],
+    };
+    let settings = Settings {
+        steps_per_period: 40,
+        periods: periods as usize,
+        background_damping: 0.02,
+        ..Settings::default()
+    };
+    let found = oscillator.run(&start, &settings);
+    assert!(found.failure.is_none());
+    // Up: k u + limit = peak. Down: friction would be limit - kt (u_top - u), until it reaches -limit.
+    let top = (peak - limit) / k;
+    let rest = (kt * top - limit) / (k + kt);
+    let friction = limit - kt * (top - rest);
+    let expected = if friction < -limit { limit / k } else { rest };
+    let settled = found.settled[0];
+    assert!((settled / expected - 1.0).abs() < 1e-3, "{settled} for {expected}");
+}
