@@ -52,6 +52,12 @@ pub enum Error {
         /// What stands in the way, and what can be done about it.
         what: &'static str,
     },
+    /// A random load that cannot be followed in time.
+    #[error("analyses.random: {reason}")]
+    Random {
+        /// What is wrong, and what would be right.
+        reason: String,
+    },
     /// A shock that cannot be followed.
     #[error("analyses.shock: {reason}")]
     Shock {
@@ -174,6 +180,7 @@ impl Error {
             Self::BoltLoads { .. } => Some("bolts.loads"),
             Self::Tightening { .. } => Some("analyses.tightening"),
             Self::NoResponse { .. } => Some("analyses.modes.followed"),
+            Self::Random { .. } => Some("analyses.random"),
             Self::Shock { .. } => Some("analyses.shock"),
             _ => None,
         }

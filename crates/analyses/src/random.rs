@@ -1,16 +1,19 @@
 //! Stationary random vibration of a scene's structure about its static state, from the backbones of the modes followed.
 
-use super::linearised::{Base, Drive, Linearised};
+use super::linearised::{Base, Drive, Linearised, flow};
 use super::mode_backbone::ModeAnalysis;
 use super::vibration::{Start, VibrationAnalysis};
 use crate::Error;
 use cqsma_solver::HystereticForce;
 use cqsma_solver::random::{AmplitudeCurve, Equivalent, Oscillator, Spectrum, Squares, Transfer, dissipated_power};
+use cqsma_solver::transient::{self, Sample};
 use joints::progress::{Stage, go_on};
 use joints::store::checkpoint::Checkpoints;
-use scenes::Random;
+use modal_identification::synthetic;
+use scenes::{Random, RandomInTime};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 
 /// Largest share of `E[a^2]` that amplitudes beyond the backbone may have.
 const MOST_BEYOND: f64 = 0.05;
@@ -42,10 +45,26 @@ impl VibrationAnalysis for Random {
             Err(failure) => Err(failure),
             Ok(followed) => {
                 let vibrating = Vibrating::new(&about, &drive, followed)?;
-                let levels = self.levels.iter().zip(1..).map(|(&level, done)| {
+                let levels = self.levels.iter().enumerate().map(|(number, &level)| {
                     go_on(progress)?;
-                    let found = vibrating.at(level, &spectrum);
-                    progress.fraction(Stage::Random, f64::from(done) / self.levels.len() as f64);
+                    let mut found = vibrating.at(level, &spectrum);
+                    let share =
+                        |done: f64| progress.fraction(Stage::Random, (number as f64 + done) / self.levels.len() as f64);
+                    if let Some(asked) = self.in_time.filter(|_| level > 0.0) {
+                        let noise = Noise {
+                            level,
+                            spectrum: &spectrum,
+                            drive: &drive,
+                            damping: found.modes[0].equivalent.zeta,
+                        };
+                        let followed = about.in_time(&asked, &noise, &|done| {
+                            share(done);
+                            flow(progress)
+                        });
+                        go_on(progress)?;
+                        found.in_time = Some(followed.map_err(|error| error.to_string()));
+                    }
+                    share(1.0);
                     Ok(found)
                 });
                 Ok(levels.collect::<Result<_, Error>>()?)
@@ -95,6 +114,8 @@ pub struct RandomVibration {
     pub rms_sliding: f64,
     /// Whether what is assumed holds.
     pub validity: RandomValidity,
+    /// A motion in time under such a load, where it is asked for, or why there is none.
+    pub in_time: Option<Result<InTime, String>>,
 }
 
 /// A mode in stationary random vibration.
@@ -130,6 +151,116 @@ pub struct RandomValidity {
     pub reasons: Vec<String>,
 }
 
+/// Periods of decay that a motion from rest is given to become stationary: amplitudes within a thousandth.
+const SETTLING: f64 = 7.0;
+
+/// Blocks that a motion is divided into for the spread of its mean squares, and the quantile of Student's distribution that holds 90 % for so many.
+const BLOCKS: usize = 20;
+const STUDENT: f64 = 1.729;
+
+/// What a motion in time under stationary noise shows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct InTime {
+    /// Root mean square of the displacement of the response point (m).
+    pub rms_response: f64,
+    /// Interval that holds it with a probability of 90 %, from the spread of 20 blocks (m).
+    pub rms_response_interval: [f64; 2],
+    /// Root mean square of its acceleration (m/s^2), that of the supports included.
+    pub rms_acceleration: f64,
+    /// As that of the displacement (m/s^2).
+    pub rms_acceleration_interval: [f64; 2],
+    /// Share of the load's mean square below half the rate of steps, which is all that acts (-).
+    pub share_of_load: f64,
+    /// Time that was averaged over (s), after the motion had become stationary.
+    pub averaged_s: f64,
+    /// Largest change of the balance of energies, relative to the largest energy in the motion (-).
+    pub energy_error: f64,
+}
+
+/// A stationary load in time.
+struct Noise<'a> {
+    level: f64,
+    spectrum: &'a Spectrum,
+    drive: &'a Drive,
+    /// Damping ratio of the first mode followed.
+    damping: f64,
+}
+
+impl Linearised<'_> {
+    /// Follows the motion under noise; `observe` hears of the share that is done.
+    fn in_time(
+        &self,
+        asked: &RandomInTime,
+        noise: &Noise<'_>,
+        observe: &dyn Fn(f64) -> ControlFlow<()>,
+    ) -> Result<InTime, Error> {
+        let mode = self.scene.analyses.modes.followed[0] - 1;
+        let frequency = self.line.frequencies()[mode];
+        let settling = (SETTLING / (TAU * noise.damping)).ceil() as usize;
+        if asked.periods < 2 * settling {
+            return Err(Error::Random {
+                reason: format!(
+                    "at a damping ratio of {:.1e} a motion becomes stationary after {settling} periods; follow at least twice as many \
+                     (analyses.random.in_time.periods)",
+                    noise.damping
+                ),
+            });
+        }
+        let step = 1.0 / (frequency * asked.steps_per_period as f64);
+        let count = asked.periods * asked.steps_per_period;
+        let scale = noise.level * noise.level;
+        let start = transient::Start::Record {
+            step,
+            values: synthetic::stationary(|f| scale * noise.spectrum.density(f), step, count, asked.seed),
+            point: noise.drive.row.clone(),
+        };
+        let solver = transient::Settings {
+            mode,
+            steps_per_period: asked.steps_per_period,
+            periods: asked.periods,
+            background_damping: self.scene.background_damping,
+            ..transient::Settings::default()
+        };
+        let wanted = asked.periods as f64 / frequency;
+        let found = transient::run(self.line, self.force, self.response, &start, &solver, &mut |sample| {
+            observe(sample.time / wanted)
+        })?;
+        let energy_error = found.energy_error();
+        if let Some(failure) = found.failure {
+            return Err(Error::Transient {
+                time: found.samples.last().map_or(0.0, |s| s.time),
+                wanted,
+                reason: failure.reason,
+                history: failure.history,
+            });
+        }
+        let carried = noise.drive.base.map_or(0.0, |base| base.carried);
+        let stationary = &found.samples[settling * asked.steps_per_period..];
+        let squares = |value: &dyn Fn(&Sample) -> f64| {
+            let length = stationary.len() / BLOCKS;
+            let of_block = |block: &[Sample]| block.iter().map(|s| value(s).powi(2)).sum::<f64>() / block.len() as f64;
+            let means: Vec<f64> = stationary.chunks_exact(length).take(BLOCKS).map(of_block).collect();
+            let mean = means.iter().sum::<f64>() / BLOCKS as f64;
+            let spread = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (BLOCKS - 1) as f64;
+            let reach = STUDENT * (spread / BLOCKS as f64).sqrt();
+            (mean.sqrt(), [(mean - reach).max(0.0).sqrt(), (mean + reach).sqrt()])
+        };
+        let (rms_response, rms_response_interval) = squares(&|s| s.displacement);
+        let (rms_acceleration, rms_acceleration_interval) =
+            squares(&|s| s.acceleration + carried * start.force_at(s.time));
+        Ok(InTime {
+            rms_response,
+            rms_response_interval,
+            rms_acceleration,
+            rms_acceleration_interval,
+            share_of_load: noise.spectrum.mean_square_below(0.5 / step) / noise.spectrum.mean_square(),
+            averaged_s: stationary.len() as f64 * step,
+            energy_error,
+        })
+    }
+}
+
 /// A mode followed, as random vibration needs it.
 struct Followed {
     /// From zero.
@@ -137,6 +268,8 @@ struct Followed {
     curve: AmplitudeCurve,
     /// Power that friction takes at each interface over the square of the amplitude, at the amplitudes of the curve (W/(kg m^2)).
     power: Vec<Vec<f64>>,
+    /// Square of the motion of the response point over that of the amplitude (1/kg): it is not that of the linear mode, whose shape slip changes.
+    motion: Vec<f64>,
     /// Square of the largest sliding over that of the amplitude (1/kg).
     sliding: Vec<f64>,
     load: f64,
@@ -152,7 +285,7 @@ impl Followed {
         let mode = of.mode - 1;
         let background = about.scene.background_damping;
         let mut points: Vec<[f64; 3]> = Vec::new();
-        let (mut power, mut sliding) = (Vec::<Vec<f64>>::new(), Vec::new());
+        let (mut power, mut sliding, mut motion) = (Vec::<Vec<f64>>::new(), Vec::new(), Vec::new());
         for amplitude in &of.amplitudes {
             let (Ok(result), Some(fields)) = (&amplitude.point.result, &amplitude.fields) else {
                 continue;
@@ -175,6 +308,7 @@ impl Followed {
                 joints => joints.iter().map(|joint| rate * joint.dissipation).collect(),
             });
             sliding.push((fields.largest_sliding / a).powi(2));
+            motion.push((fields.response_motion / a).powi(2));
         }
         let amplitudes = points.len();
         let failure = RandomFailure {
@@ -194,6 +328,7 @@ impl Followed {
                 .map(|joint| power.iter().map(|of| of[joint]).collect())
                 .collect(),
             sliding,
+            motion,
             load: along(&drive.row),
             response: along(about.response),
         })
@@ -270,17 +405,18 @@ impl Vibrating {
                 *sum += 2.0 * square * of.curve.mean(values, equivalent.white);
             }
             sliding += square * of.curve.mean(&of.sliding, equivalent.white);
+            let response = of.curve.mean(&of.motion, equivalent.white).sqrt().copysign(of.response);
             modes.push(RandomMode {
                 mode: of.mode + 1,
                 follows_backbone: true,
-                rms: equivalent.sigma * of.response.abs(),
+                rms: equivalent.sigma * response.abs(),
                 equivalent,
             });
             oscillators.push(Oscillator {
                 omega: equivalent.omega,
                 zeta: equivalent.zeta,
                 load: load(of.load),
-                response: of.response,
+                response,
             });
         }
         for (mode, oscillator) in &self.linear {
@@ -318,6 +454,7 @@ impl Vibrating {
             power,
             rms_sliding: sliding.sqrt(),
             validity: self.validity(&modes, &spectrum),
+            in_time: None,
             modes,
         }
     }
@@ -468,6 +605,12 @@ pub struct RandomSummary {
     pub psd: DensitySummary,
     /// Whether what is assumed holds.
     pub validity: RandomValidity,
+    /// What a motion in time under such a load shows; left out unless asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub in_time: Option<InTime>,
+    /// Why there is none although it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub in_time_failure: Option<String>,
 }
 
 /// A mode in stationary random vibration.
@@ -561,6 +704,8 @@ impl RandomSummary {
                 acceleration: density(|squares| squares.acceleration),
             },
             validity: of.validity.clone(),
+            in_time: of.in_time.as_ref().and_then(|found| found.as_ref().ok().cloned()),
+            in_time_failure: of.in_time.as_ref().and_then(|found| found.as_ref().err().cloned()),
         }
     }
 }

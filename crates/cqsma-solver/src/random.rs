@@ -93,8 +93,20 @@ impl Spectrum {
 
     /// Integral of the density over all frequencies.
     pub fn mean_square(&self) -> f64 {
+        self.mean_square_below(f64::INFINITY)
+    }
+
+    /// Integral of the density up to a frequency (Hz).
+    pub fn mean_square_below(&self, frequency: f64) -> f64 {
         let of = |pair: &[[f64; 2]]| {
-            let ([f0, s0], [f1, s1]) = (pair[0], pair[1]);
+            let ([f0, s0], mut last) = (pair[0], pair[1]);
+            if frequency <= f0 {
+                return 0.0;
+            }
+            if frequency < last[0] {
+                last = [frequency, self.density(frequency)];
+            }
+            let [f1, s1] = last;
             let ratio = (f1 / f0).ln();
             // Of f^m, with x = (m + 1) ln(f1 / f0): s0 f0 ratio (e^x - 1) / x.
             let x = (s1 / s0).ln() + ratio;

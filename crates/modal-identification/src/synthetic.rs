@@ -1,9 +1,13 @@
-//! Ring-downs whose frequency and damping are known at every amplitude, to test identification with.
+//! Signals that are made: ring-downs whose frequency and damping are known at every amplitude, to test identification with, and stationary noise.
 
 use std::f64::consts::TAU;
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use rustfft::FftDirection;
+use rustfft::num_complex::Complex64;
+
+use crate::fft::transform;
 
 /// A mode that rings down: `x = A cos(phi)` with `A' = -zeta omega A` and `phi' = omega sqrt(1 - zeta^2)`,
 /// `omega = 2 pi f(A)`, `zeta = zeta(A)`.
@@ -53,6 +57,21 @@ pub fn add_noise(samples: &mut [f64], rms: f64, seed: u64) {
     for sample in samples {
         *sample += rms * normal(&mut random);
     }
+}
+
+/// Stationary Gaussian noise of a one-sided power spectral density (per Hz), `step` (s) apart: a sum of harmonics of a period that is no shorter than the
+/// record, with normally distributed amplitudes. What the density has above half the rate of samples is left out. The same seed gives the same noise.
+pub fn stationary(density: impl Fn(f64) -> f64, step: f64, count: usize, seed: u64) -> Vec<f64> {
+    let size = count.next_power_of_two().max(2);
+    let spacing = 1.0 / (size as f64 * step);
+    let mut random = Pcg64::seed_from_u64(seed);
+    let mut values = vec![Complex64::default(); size];
+    for (k, value) in values.iter_mut().enumerate().take(size / 2).skip(1) {
+        let amplitude = (density(k as f64 * spacing) * spacing).sqrt();
+        *value = Complex64::new(amplitude * normal(&mut random), -amplitude * normal(&mut random));
+    }
+    transform(&mut values, FftDirection::Inverse);
+    values.into_iter().take(count).map(|value| value.re).collect()
 }
 
 /// A standard normal number (Box and Muller).

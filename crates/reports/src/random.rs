@@ -51,7 +51,9 @@ pub(crate) static ANALYSIS: Analysis = Analysis {
         let failure = failure.map(|reason| format!("\nNO RANDOM VIBRATION: {reason}\n"));
         failure.chain(summary.random.iter().map(line)).collect()
     },
-    is_complete: |summary| summary.random_failure.is_none(),
+    is_complete: |summary| {
+        summary.random_failure.is_none() && summary.random.iter().all(|level| level.in_time_failure.is_none())
+    },
 };
 
 /// A row per level and mode.
@@ -161,7 +163,7 @@ fn section(summary: &Summary, picture: Option<String>) -> Section {
     let failure = summary.random_failure.iter();
     let failure = failure.map(|reason| format!("There is no stationary random vibration: {reason}."));
     let doubts = levels.iter().flat_map(|level| {
-        let reasons = level.validity.reasons.iter();
+        let reasons = level.validity.reasons.iter().chain(&level.in_time_failure);
         reasons.map(|reason| format!("Random vibration at level {}: {reason}.", short(level.level)))
     });
     let headings = [
@@ -172,6 +174,7 @@ fn section(summary: &Summary, picture: Option<String>) -> Section {
         "frequency [Hz]",
         "damping ratio",
         "power by friction [W]",
+        "response in time, rms [m]",
         "assumptions",
     ];
     let row = |level: &RandomSummary| {
@@ -185,6 +188,10 @@ fn section(summary: &Summary, picture: Option<String>) -> Section {
             cell(first.map(|mode| format!("{:.3}", mode.frequency_hz))),
             cell(first.map(|mode| format!("{:.3e}", mode.damping_ratio))),
             format!("{:.3e}", level.dissipated_power),
+            cell(level.in_time.as_ref().map(|found| {
+                let [low, high] = found.rms_response_interval;
+                format!("{:.3e} ({low:.3e} to {high:.3e})", found.rms_response)
+            })),
             if level.validity.holds { "hold" } else { "do not hold" }.into(),
         ]
     };
@@ -234,7 +241,15 @@ fn line(level: &RandomSummary) -> String {
         );
     }
     out.push('\n');
-    for reason in &level.validity.reasons {
+    if let Some(found) = &level.in_time {
+        let [low, high] = found.rms_response_interval;
+        let _ = writeln!(
+            out,
+            "  in time, {:.3} s: response {:.4e} m rms (90 %: {low:.3e} to {high:.3e}), {:.4e} m/s^2 rms",
+            found.averaged_s, found.rms_response, found.rms_acceleration
+        );
+    }
+    for reason in level.validity.reasons.iter().chain(&level.in_time_failure) {
         let _ = writeln!(out, "warning: {reason}");
     }
     out

@@ -58,7 +58,7 @@ pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
 pub use material::Material;
 pub use mesh::{BoltSeat, MeshBolt, MeshFile, MeshInterface, MeshResponse, MeshSupport, MeshTie};
 pub use parameter::{Influence, Parameter};
-pub use random::Random;
+pub use random::{Random, RandomInTime};
 pub use refinement::refined;
 pub use ring_down::{RingDown, Strike};
 pub use scale::Scale;

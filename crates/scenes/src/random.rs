@@ -8,6 +8,7 @@ use super::uncertain::NumberOrText;
 use super::units::dimension::{OfAccelerationDensity, OfForceDensity};
 use super::units::{Acceleration, AccelerationDensity, Force, ForceDensity};
 use crate::Error;
+use cqsma_solver::transient::MOST_STEPS;
 use serde::{Deserialize, Serialize};
 
 /// Names of the fields of its excitation.
@@ -36,6 +37,32 @@ pub struct Random {
     pub psd: Vec<(f64, f64)>,
     /// Levels: factors of the load's amplitude, so that the density is multiplied by their squares.
     pub levels: Vec<f64>,
+    /// Motions in time beside it, under noise of the same density.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub in_time: Option<RandomInTime>,
+}
+
+/// Motions in time under stationary noise.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct RandomInTime {
+    /// Periods of the first mode followed that the motion is followed for at each level.
+    pub periods: usize,
+    /// Steps per period.
+    pub steps_per_period: usize,
+    /// Number that the noise follows from: the same gives the same noise.
+    pub seed: u64,
+}
+
+impl Default for RandomInTime {
+    fn default() -> Self {
+        Self {
+            periods: 1000,
+            steps_per_period: 50,
+            seed: 1,
+        }
+    }
 }
 
 /// [`Random`] as files have it.
@@ -55,6 +82,9 @@ struct RandomFields {
     /// Levels: factors of the load's amplitude, so that the density is multiplied by their squares.
     #[serde(default = "as_given")]
     levels: Vec<f64>,
+    /// Motions in time beside it, under noise of the same density.
+    #[serde(default)]
+    in_time: Option<RandomInTime>,
 }
 
 fn as_given() -> Vec<f64> {
@@ -76,6 +106,7 @@ impl TryFrom<RandomFields> for Random {
             base: fields.base,
             force: fields.force,
             levels: fields.levels,
+            in_time: fields.in_time,
         })
     }
 }
@@ -135,6 +166,23 @@ impl Random {
         check.that(!self.levels.is_empty(), levels, 0.0, "(levels)", "at least one")?;
         for level in &self.levels {
             check.not_negative(levels, *level, "")?;
+        }
+        if let Some(asked) = self.in_time {
+            let steps = asked.steps_per_period.saturating_mul(asked.periods);
+            check.that(
+                asked.steps_per_period >= 8,
+                "analyses.random.in_time.steps_per_period",
+                asked.steps_per_period as f64,
+                "",
+                "at least 8",
+            )?;
+            check.that(
+                asked.periods >= 20 && steps <= MOST_STEPS,
+                "analyses.random.in_time.periods",
+                asked.periods as f64,
+                "",
+                "at least 20, and so few that they have at most 1e7 steps",
+            )?;
         }
         check.that(
             amplitudes > 1,

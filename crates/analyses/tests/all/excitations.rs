@@ -31,7 +31,7 @@ fn oscillator(path: &Path, mu: f64, analyses: Value) -> Value {
     let mut scene = scene(path, &[7], &[set([5e4, 5e4, 2e6], mu, 50.0)], &json!([[-1, 1, 1.0]]));
     scene["background_damping"] = json!(0.01);
     scene["analyses"] = analyses;
-    scene["analyses"]["modes"] = json!({ "number": 2 });
+    scene["analyses"]["modes"]["number"] = json!(2);
     scene
 }
 
@@ -364,5 +364,54 @@ fn shocks_that_cannot_be_are_refused() {
     assert!(gone.contains("none.csv"), "{gone}");
     let zero = refused(&|asked| asked["pulse"]["amplitude"] = json!(0.0));
     assert!(zero.contains("analyses.shock.pulse.amplitude"), "{zero}");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn random_vibration_from_the_backbone_is_that_of_long_motions_in_time() {
+    let folder = folder("random");
+    let path = folder.join("oscillator.npz");
+    let motion = json!([[7, 1, 1.0], [-1, 1, 1.0]]);
+    let given = oscillator(
+        &path,
+        0.2,
+        json!({
+            "modes": { "followed": [1, 2] },
+            "backbone": { "amplitudes": 40, "amplitude_from": 1e-6, "amplitude_to": 2e-2 },
+            // Beyond the second mode, so that both move.
+            "random": {
+                "base": { "direction": [1.0, 0.0, 0.0], "motion": motion }, "psd": [[2.0, 0.05], [80.0, 0.05]], "levels": [0.2, 0.5, 3.0, 12.0],
+                "in_time": { "periods": 6000, "steps_per_period": 60 },
+            },
+        }),
+    );
+    let found = summary(&try_run(&given).unwrap());
+    assert_eq!(found.random_failure, None);
+    for level in &found.random {
+        assert_eq!(level.in_time_failure, None);
+        let in_time = level.in_time.as_ref().unwrap();
+        let errors = [
+            level.rms_response / in_time.rms_response - 1.0,
+            level.rms_acceleration / in_time.rms_acceleration - 1.0,
+        ];
+        let [low, high] = in_time.rms_response_interval;
+        println!(
+            "level {}: damping {:.4}, rms {:+.3}, acceleration {:+.3}, interval {:.3}, energy {:.0e} {:?}",
+            level.level,
+            level.modes[0].damping_ratio,
+            errors[0],
+            errors[1],
+            high / low - 1.0,
+            in_time.energy_error,
+            level.validity.reasons
+        );
+        // Of one mode of a joint that loses 40 % of its frequency and whose other mode moves the same joint: 10 % is what is left of the assumptions.
+        assert!(
+            errors.iter().all(|error| error.abs() < 0.13),
+            "{}: {errors:?}",
+            level.level
+        );
+        assert_eq!(in_time.share_of_load, 1.0);
+    }
     std::fs::remove_dir_all(folder).unwrap();
 }
