@@ -41,7 +41,8 @@ impl Default for Chain {
 }
 
 impl Chain {
-    /// The text of its mesh, a Gmsh file with lengths in m and the volumes `bar 1`, `bar 2` and so on, along x.
+    /// The text of its mesh, a Gmsh file with lengths in m, the volumes `bar 1`, `bar 2` and so on, along x, and the surface `first end`, by which it can
+    /// be held: the lower side of the first third of the first bar.
     ///
     /// # Errors
     /// None for at least one element in each direction; otherwise those of the file.
@@ -55,6 +56,7 @@ impl Chain {
             .chain(graded(LAP, free))
             .chain(graded(2.0 * LAP, self.along))
             .collect();
+        let mut ends = Vec::new();
         for bar in 0..=self.joints {
             let [x, z] = [2.0 * LAP * bar as f64, if bar % 2 == 0 { 0.0 } else { -THICKNESS }];
             let lattice = Lattice {
@@ -66,9 +68,12 @@ impl Chain {
                     [x + along[i], y, z + THICKNESS * k as f64 / LAYERS as f64]
                 },
             };
-            lattice.add(&mut mesh, format!("bar {}", bar + 1));
+            let body = lattice.add(&mut mesh, format!("bar {}", bar + 1));
+            if bar == 0 {
+                ends.push(body.faces("first end".to_owned(), false, |[i, _, k]| i < self.along && k == 0));
+            }
         }
-        gmsh::write(&mesh, &[], &[])
+        gmsh::write(&mesh, &ends, &[])
     }
 
     /// Its scene; `path` is that of the mesh.

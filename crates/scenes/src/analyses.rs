@@ -3,6 +3,7 @@
 use super::Parameter;
 use super::check::Check;
 use super::epmc::Epmc;
+use super::excitation::{Driver, Excitation};
 use super::forced::Forced;
 use super::random::Random;
 use super::ring_down::RingDown;
@@ -48,6 +49,44 @@ pub struct Analyses {
     /// Numbers of the scene, by their paths, that frequency and damping are differentiated by along every backbone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensitivities: Vec<Parameter>,
+}
+
+impl Analyses {
+    /// Excitations of all analyses apart from forces at the response point, each once.
+    pub fn drivers(&self) -> Vec<Driver> {
+        let named = |excitation: Excitation, [point, base]: [&'static str; 2]| Driver {
+            field: match excitation {
+                Excitation::Base { .. } => base,
+                _ => point,
+            },
+            excitation,
+        };
+        let forced = self.forced.iter();
+        let forced = forced.map(|asked| named(asked.excitation(), ["analyses.forced.node", "analyses.forced.base"]));
+        let random = self.random.iter();
+        let random = random.map(|asked| {
+            named(
+                asked.excitation(),
+                ["analyses.random.force.node", "analyses.random.base"],
+            )
+        });
+        let shock = self.shock.iter();
+        let shock = shock.map(|asked| named(asked.excitation(), ["analyses.shock.force.node", "analyses.shock.base"]));
+        let mut found: Vec<Driver> = Vec::new();
+        for driver in forced.chain(random).chain(shock) {
+            let is_known = found.iter().any(|known| known.excitation == driver.excitation);
+            if driver.excitation != Excitation::Response && !is_known {
+                found.push(driver);
+            }
+        }
+        found
+    }
+
+    /// Number of the recovered row that belongs to an excitation: 0 is the response, those of [`drivers`](Self::drivers) follow.
+    pub fn recovered(&self, excitation: &Excitation) -> usize {
+        let place = self.drivers().iter().position(|known| known.excitation == *excitation);
+        place.map_or(0, |place| place + 1)
+    }
 }
 
 /// Linearised modes about the prestress.

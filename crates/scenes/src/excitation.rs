@@ -1,6 +1,5 @@
 //! What drives a structure, and through which point.
 
-use super::analyses::Analyses;
 use super::check::Check;
 use super::uncertain::NumberOrText;
 use super::units::{Dimension, Quantity};
@@ -39,44 +38,6 @@ pub struct Driver {
     pub field: &'static str,
     /// The excitation.
     pub excitation: Excitation,
-}
-
-impl Analyses {
-    /// Excitations of all analyses apart from forces at the response point, each once.
-    pub fn drivers(&self) -> Vec<Driver> {
-        let named = |excitation: Excitation, [point, base]: [&'static str; 2]| Driver {
-            field: match excitation {
-                Excitation::Base { .. } => base,
-                _ => point,
-            },
-            excitation,
-        };
-        let forced = self.forced.iter();
-        let forced = forced.map(|asked| named(asked.excitation(), ["analyses.forced.node", "analyses.forced.base"]));
-        let random = self.random.iter();
-        let random = random.map(|asked| {
-            named(
-                asked.excitation(),
-                ["analyses.random.force.node", "analyses.random.base"],
-            )
-        });
-        let shock = self.shock.iter();
-        let shock = shock.map(|asked| named(asked.excitation(), ["analyses.shock.force.node", "analyses.shock.base"]));
-        let mut found: Vec<Driver> = Vec::new();
-        for driver in forced.chain(random).chain(shock) {
-            let is_known = found.iter().any(|known| known.excitation == driver.excitation);
-            if driver.excitation != Excitation::Response && !is_known {
-                found.push(driver);
-            }
-        }
-        found
-    }
-
-    /// Number of the recovered row that belongs to an excitation: 0 is the response, those of [`drivers`](Self::drivers) follow.
-    pub fn recovered(&self, excitation: &Excitation) -> usize {
-        let place = self.drivers().iter().position(|known| known.excitation == *excitation);
-        place.map_or(0, |place| place + 1)
-    }
 }
 
 /// Motion of all supports together.
@@ -137,7 +98,7 @@ pub(super) fn excitation(base: Option<&BaseMotion>, force: Option<&PointForce>) 
             direction: base.direction,
             motion: base.motion.clone(),
         },
-        (None, Some(force)) => point(force.node.as_ref(), force.direction, force.terms.as_ref()),
+        (None, Some(force)) => point(force),
         (None, None) => Excitation::Response,
     }
 }
@@ -163,27 +124,17 @@ pub(super) fn check_excitation(
     is_matrices: bool,
 ) -> Result<(), Error> {
     if let Some(base) = base {
-        check_base(check, fields.base, (&base.direction, base.motion.as_ref()), is_matrices)?;
+        check_base(check, fields.base, base, is_matrices)?;
     }
     match force {
-        Some(force) => check_point(
-            check,
-            &fields.point,
-            force.node.as_ref(),
-            force.direction,
-            force.terms.as_ref(),
-        ),
+        Some(force) => check_point(check, &fields.point, force),
         None => Ok(()),
     }
 }
 
-/// What a node, a direction and terms, of which none need be given, make up.
-pub(super) fn point(
-    node: Option<&String>,
-    direction: Option<[f64; 3]>,
-    terms: Option<&Vec<(i64, u32, f64)>>,
-) -> Excitation {
-    match (node, direction, terms) {
+/// What a force acts on.
+fn point(force: &PointForce) -> Excitation {
+    match (&force.node, force.direction, &force.terms) {
         (_, _, Some(terms)) => Excitation::Terms(terms.clone()),
         (Some(node), Some(direction), None) => Excitation::Node {
             node: node.clone(),
@@ -201,22 +152,22 @@ fn check_direction(check: &Check<'_>, field: &'static str, direction: [f64; 3]) 
 }
 
 /// Refuses motions of the base that are none, and coordinates of what are no matrices.
-pub(super) fn check_base(
+fn check_base(
     check: &Check<'_>,
     [direction, motion]: [&'static str; 2],
-    base: (&[f64; 3], Option<&Vec<(i64, u32, f64)>>),
+    base: &BaseMotion,
     is_matrices: bool,
 ) -> Result<(), Error> {
-    check_direction(check, direction, *base.0)?;
-    let given = f64::from(u8::from(base.1.is_some()));
+    check_direction(check, direction, base.direction)?;
+    let given = f64::from(u8::from(base.motion.is_some()));
     check.that(
-        is_matrices || base.1.is_none(),
+        is_matrices || base.motion.is_none(),
         motion,
         given,
         "(given)",
         "left out where the structure is not given as matrices",
     )?;
-    for (_, _, factor) in base.1.into_iter().flatten() {
+    for (_, _, factor) in base.motion.iter().flatten() {
         let finite = factor.is_finite() && *factor != 0.0;
         check.that(finite, motion, *factor, "", "finite and not zero")?;
     }
@@ -224,26 +175,21 @@ pub(super) fn check_base(
 }
 
 /// Refuses a node without a direction, both a node and terms, and terms that are empty or without effect.
-pub(super) fn check_point(
-    check: &Check<'_>,
-    fields: &PointFields,
-    node: Option<&String>,
-    direction: Option<[f64; 3]>,
-    terms: Option<&Vec<(i64, u32, f64)>>,
-) -> Result<(), Error> {
+fn check_point(check: &Check<'_>, fields: &PointFields, force: &PointForce) -> Result<(), Error> {
+    let PointForce { node, direction, terms } = force;
     let given = f64::from(u8::from(node.is_some()));
     let both = node.is_some() == direction.is_some();
     check.that(both, fields.node, given, "(given)", "given together with its direction")?;
     let one = terms.is_none() || node.is_none();
     check.that(one, fields.terms, 1.0, "(given)", "left out where a node is given")?;
     if let Some(direction) = direction {
-        check_direction(check, fields.direction, direction)?;
+        check_direction(check, fields.direction, *direction)?;
     }
-    for (_, _, factor) in terms.into_iter().flatten() {
+    for (_, _, factor) in terms.iter().flatten() {
         let finite = factor.is_finite() && *factor != 0.0;
         check.that(finite, fields.terms, *factor, "", "finite and not zero")?;
     }
-    let empty = terms.is_some_and(Vec::is_empty);
+    let empty = terms.as_ref().is_some_and(Vec::is_empty);
     check.that(!empty, fields.terms, 0.0, "(terms)", "at least one")
 }
 

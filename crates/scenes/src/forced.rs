@@ -2,7 +2,9 @@
 
 use super::check::Check;
 use super::epmc::sampling;
-use super::excitation::{Excitation, PointFields, check_base, check_point, point};
+use super::excitation::{
+    BaseMotion, Excitation, ExcitationFields, PointFields, PointForce, check_excitation, excitation,
+};
 use super::units::{Acceleration, Force, Length};
 use crate::Error;
 use serde::{Deserialize, Serialize};
@@ -18,11 +20,14 @@ pub struct Rayleigh {
     pub stiffness: f64,
 }
 
-/// Names of the fields that say where the force acts.
-pub(super) const POINT: PointFields = PointFields {
-    node: "analyses.forced.node",
-    direction: "analyses.forced.direction",
-    terms: "analyses.forced.terms",
+/// Names of the fields of its excitation.
+pub(super) const FIELDS: ExcitationFields = ExcitationFields {
+    base: ["analyses.forced.base.direction", "analyses.forced.base.motion"],
+    point: PointFields {
+        node: "analyses.forced.node",
+        direction: "analyses.forced.direction",
+        terms: "analyses.forced.terms",
+    },
 };
 
 /// Harmonic motion of all supports together.
@@ -129,15 +134,24 @@ fn frequency_step() -> f64 {
 }
 
 impl Forced {
+    /// The base, and where a force acts.
+    fn parts(&self) -> (Option<BaseMotion>, PointForce) {
+        let base = self.base.as_ref().map(|base| BaseMotion {
+            direction: base.direction,
+            motion: base.motion.clone(),
+        });
+        let force = PointForce {
+            node: self.node.clone(),
+            direction: self.direction,
+            terms: self.terms.clone(),
+        };
+        (base, force)
+    }
+
     /// What drives the structure.
     pub fn excitation(&self) -> Excitation {
-        match &self.base {
-            Some(base) => Excitation::Base {
-                direction: base.direction,
-                motion: base.motion.clone(),
-            },
-            None => point(self.node.as_ref(), self.direction, self.terms.as_ref()),
-        }
+        let (base, force) = self.parts();
+        excitation(base.as_ref(), Some(&force))
     }
 
     /// Whether the amplitude of the response is held, and not that of the force.
@@ -171,13 +185,10 @@ impl Forced {
             self.harmonics,
             self.samples,
         )?;
-        check_point(check, &POINT, self.node.as_ref(), self.direction, self.terms.as_ref())?;
-        if let Some(base) = &self.base {
-            let fields = ["analyses.forced.base.direction", "analyses.forced.base.motion"];
-            check_base(check, fields, (&base.direction, base.motion.as_ref()), is_matrices)?;
-            let alone = self.levels.is_empty()
-                && !self.holds_response()
-                && point(self.node.as_ref(), self.direction, self.terms.as_ref()) == Excitation::Response;
+        let (base, force) = self.parts();
+        check_excitation(check, &FIELDS, base.as_ref(), Some(&force), is_matrices)?;
+        if base.is_some() {
+            let alone = self.levels.is_empty() && !self.holds_response() && force == PointForce::default();
             check.that(
                 alone,
                 "analyses.forced.base",

@@ -416,7 +416,7 @@ impl Scene {
         ];
         if let Some(asked) = &self.analyses.forced {
             asked.validate(check, source[1])?;
-            check_structure(check, &forced::POINT, &asked.excitation(), source)?;
+            check_structure(check, &forced::FIELDS.point, &asked.excitation(), source)?;
         }
         if let Some(asked) = &self.analyses.random {
             asked.validate(check, self.analyses.backbone.amplitudes, source[1])?;
