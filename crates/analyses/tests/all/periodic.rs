@@ -66,14 +66,20 @@ fn first_harmonic(samples: &[(f64, f64)], omega: f64) -> [f64; 2] {
     [found[1], found[2]]
 }
 
-#[test]
-fn forced_responses_are_those_of_the_motion_in_time() {
+/// Differences of the first harmonic between forced responses and motions in time of so many periods that begin with them, below the resonance, at it, and
+/// above.
+///
+/// Fast motions, which the start excites and nothing else damps, would shake the friction loose: without numerical damping the difference grows to 1e-2
+/// within 80 periods. The scheme makes frequencies smaller by a known ratio, which counts 1 / (2 zeta) times at the resonance: it is driven so much
+/// more slowly.
+fn differences_in_time(periods: usize) -> Vec<f64> {
     let prepared = prepare(&quick(), &Options::default(), &Silent).unwrap();
     let force = InterfaceForce::new(&prepared.interface().interface);
     let line = linearised(&prepared, &force);
     let row: Vec<f64> = prepared.model().reduced.recovery.row(0).iter().copied().collect();
     let (level, background) = (4.0, 5e-3);
-    // Below the resonance, at it, and above.
+    let (steps, radius) = (400, 0.5);
+    let mut differences = Vec::new();
     for hertz in [163.0, 167.0, 171.0] {
         let settings = forced::Settings {
             range: [TAU * hertz, TAU * (hertz + 0.01)],
@@ -90,16 +96,17 @@ fn forced_responses_are_those_of_the_motion_in_time() {
         })
         .unwrap();
         let point = &curve.points[0];
+        let omega = point.omega * transient::algorithmic_error(radius, steps as f64).frequency_ratio;
         let start = Start::Driven {
             amplitude: level,
-            omega: point.omega,
+            omega,
             point: row.clone(),
-            motion: at_zero(&point.displacement, point.omega),
+            motion: at_zero(&point.displacement, omega),
         };
         let settings = transient::Settings {
-            steps_per_period: 400,
-            periods: 6,
-            spectral_radius: 1.0,
+            steps_per_period: steps,
+            periods,
+            spectral_radius: radius,
             background_damping: background,
             ..transient::Settings::default()
         };
@@ -108,15 +115,31 @@ fn forced_responses_are_those_of_the_motion_in_time() {
         })
         .unwrap();
         assert!(found.failure.is_none());
-        let last: Vec<(f64, f64)> = found.samples[1200..].iter().map(|s| (s.time, s.displacement)).collect();
-        let [c, s] = first_harmonic(&last, point.omega);
+        let last: Vec<(f64, f64)> = found.samples[(periods - 3) * steps..]
+            .iter()
+            .map(|s| (s.time, s.displacement))
+            .collect();
+        let [c, s] = first_harmonic(&last, omega);
         let along = point.displacement.along(&row);
         let difference = (c - along[1]).hypot(s - along[2]) / along[1].hypot(along[2]);
         println!("{hertz} Hz: {difference:.1e} of {:.4e} m", along[1].hypot(along[2]));
-        // Points under low pressure creep from period to period; at the resonance what that changes of the stiffness, some 1e-4,
-        // counts 1 / (2 zeta) times.
-        assert!(difference < 1e-2, "{hertz} Hz: {difference:e}");
+        differences.push(difference);
     }
+    differences
+}
+
+#[test]
+fn forced_responses_are_those_of_the_motion_in_time() {
+    // The small difference at the start still beats with the frequency of the force.
+    let found = differences_in_time(8);
+    assert!(found.iter().all(|difference| *difference < 5e-3), "{found:?}");
+}
+
+#[test]
+#[ignore = "a minute; the gates run it"]
+fn slow_forced_responses_are_those_of_the_stationary_motion_in_time() {
+    let found = differences_in_time(80);
+    assert!(found.iter().all(|difference| *difference < 1e-3), "{found:?}");
 }
 
 fn with_epmc(epmc: Epmc) -> Scene {
