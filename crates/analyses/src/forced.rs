@@ -222,11 +222,13 @@ impl ForcedPoint {
         let pair = |h: usize| [along[2 * h - 1], along[2 * h]];
         let components: Vec<[f64; 2]> = (1..=displacement.count()).map(pair).collect();
         let [c, s] = components[0];
+        // Inertia acts against the acceleration of the supports.
+        let sign = if of.base.is_some() { -1.0 } else { 1.0 };
         Self {
             frequency_hz: omega / TAU,
             force,
             harmonics: components.iter().map(|[c, s]| c.hypot(*s)).collect(),
-            phase: s.atan2(c).rem_euclid(TAU),
+            phase: (sign * s).atan2(sign * c).rem_euclid(TAU),
             mean: along[0],
             residual,
             energy_error,
@@ -323,7 +325,7 @@ pub struct ForcedSummary {
     pub phase: Vec<f64>,
     /// Amplitudes of all harmonics of the displacement from the first on (m).
     pub harmonics: Vec<Vec<f64>>,
-    /// Cosines and sines of the same harmonics, the force being a cosine (m).
+    /// Cosines and sines of the same harmonics, the force or the acceleration of the supports being a cosine (m).
     #[serde(default)]
     pub components: Vec<Vec<[f64; 2]>>,
     /// Mean displacements at the response point from the static state (m).

@@ -179,6 +179,9 @@ impl Oscillator {
     }
 }
 
+/// Densities that are given for each interval of the integrals.
+const BETWEEN: u32 = 4;
+
 /// From the load to the response point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transfer {
@@ -249,7 +252,12 @@ impl Transfer {
             };
             (f, scaled)
         };
-        self.limits(spectrum).into_iter().map(of).collect()
+        let limits = self.limits(spectrum);
+        let between = limits.windows(2).flat_map(|pair| {
+            let step = (pair[1] - pair[0]) / f64::from(BETWEEN);
+            (0..BETWEEN).map(move |k| pair[0] + f64::from(k) * step)
+        });
+        between.chain(limits.last().copied()).map(of).collect()
     }
 }
 
