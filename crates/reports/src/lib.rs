@@ -13,6 +13,7 @@ pub mod findings;
 pub mod html;
 pub mod identification;
 mod interactive;
+pub mod joints;
 pub mod map;
 pub mod markup;
 pub mod modes;

@@ -1,11 +1,12 @@
 //! All analyses whose results are shown beside the backbone.
 
 use crate::analysis::Analysis;
-use crate::{ensemble, names, periodic, random, ring_down, sensitivity, shock, tightening, uncertainty};
+use crate::{ensemble, joints, names, periodic, random, ring_down, sensitivity, shock, tightening, uncertainty};
 use analyses::results::summary::Summary;
 
 /// In the order of the page and of the terminal.
-pub static ANALYSES: [&Analysis; 8] = [
+pub static ANALYSES: [&Analysis; 9] = [
+    &joints::ANALYSIS,
     &sensitivity::ANALYSIS,
     &periodic::ANALYSIS,
     &random::ANALYSIS,
