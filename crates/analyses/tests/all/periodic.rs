@@ -122,7 +122,6 @@ fn differences_in_time(periods: usize) -> Vec<f64> {
         let [c, s] = first_harmonic(&last, omega);
         let along = point.displacement.along(&row);
         let difference = (c - along[1]).hypot(s - along[2]) / along[1].hypot(along[2]);
-        println!("{hertz} Hz: {difference:.1e} of {:.4e} m", along[1].hypot(along[2]));
         differences.push(difference);
     }
     differences
