@@ -362,14 +362,13 @@ impl Vectors<'_> {
             )));
         }
         let along = |dof: &Dof| {
-            match *dof {
-            Dof::Nodal { component: component @ 1..=3, .. } => Ok(direction[component as usize - 1]),
-            Dof::Nodal { component: 4..=6, .. } => Ok(0.0),
-            _ => Err(self.file.fail(&format!(
-                "{field} needs to know how its coordinates move when everything moves by one, and {} component {} is no displacement or rotation of a \
-                 node; give it as {field}.motion",
-                dof.label(),
-                dof.component()
+            match (*dof, dof.component()) {
+            (Dof::Nodal { .. }, component @ 1..=3) => Ok(direction[component as usize - 1]),
+            (Dof::Nodal { .. }, 4..=6) => Ok(0.0),
+            (_, component) => Err(self.file.fail(&format!(
+                "{field} needs to know how its coordinates move when everything moves by one, and {} component {component} is no displacement or \
+                 rotation of a node; give it as {field}.motion",
+                dof.label()
             ))),
         }
         };
@@ -387,13 +386,18 @@ impl Vectors<'_> {
         })
     }
 
-    /// A vector over the coordinates.
+    /// A motion of the coordinates.
     fn coordinates(&self, terms: &[(i64, u32, f64)]) -> Result<Vec<f64>, Error> {
         if self.contents.lift.is_some() {
             return Err(self
                 .file
                 .fail("a motion of the base is not read with L; give the load as terms of a force"));
         }
+        self.of_terms(terms)
+    }
+
+    /// A vector over `dofs`.
+    fn of_terms(&self, terms: &[(i64, u32, f64)]) -> Result<Vec<f64>, Error> {
         let mut vector = vec![0.0; self.contents.dofs.len()];
         for &(label, component, factor) in terms {
             vector[self.row(Dof::new(label, component))?] += factor;
@@ -401,11 +405,9 @@ impl Vectors<'_> {
         Ok(vector)
     }
 
+    /// A row over the coordinates.
     fn terms(&self, terms: &[(i64, u32, f64)]) -> Result<Vec<f64>, Error> {
-        let mut vector = vec![0.0; self.contents.dofs.len()];
-        for &(label, component, factor) in terms {
-            vector[self.row(Dof::new(label, component))?] += factor;
-        }
+        let vector = self.of_terms(terms)?;
         Ok(match &self.contents.lift {
             None => vector,
             Some(lift) => multiply_vector(&lift.transpose_view().to_csr(), &vector),
