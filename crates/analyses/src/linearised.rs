@@ -1,6 +1,8 @@
 //! A structure about its static state: what all analyses of its vibration start from.
 
+use crate::Error;
 use cqsma_solver::Linearisation;
+use cqsma_solver::transient::Transient;
 use harmonic_balance::NewtonSettings;
 use joints::interface::InterfaceForce;
 use joints::progress::Progress;
@@ -48,10 +50,6 @@ impl Linearised<'_> {
         let row = self.vibrating.recovery.row(number).iter().copied();
         let carried = number.checked_sub(1).and_then(|place| *self.facts.carried.get(place)?);
         match carried {
-            None if number == 0 => Drive {
-                row: self.response.to_vec(),
-                base: None,
-            },
             None => Drive {
                 row: row.collect(),
                 base: None,
@@ -64,6 +62,22 @@ impl Linearised<'_> {
                 }),
             },
         }
+    }
+}
+
+/// A motion that was followed for all of the time `wanted` (s).
+///
+/// # Errors
+/// [`Error::Transient`] for one that ended before.
+pub(super) fn whole(mut motion: Transient, wanted: f64) -> Result<Transient, Error> {
+    match motion.failure.take() {
+        None => Ok(motion),
+        Some(failure) => Err(Error::Transient {
+            time: motion.samples.last().map_or(0.0, |s| s.time),
+            wanted,
+            reason: failure.reason,
+            history: failure.history,
+        }),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Stationary random vibration of a scene's structure about its static state, from the backbones of the modes followed.
 
-use super::linearised::{Base, Drive, Linearised, flow};
+use super::linearised::{Base, Drive, Linearised, flow, whole};
 use super::mode_backbone::ModeAnalysis;
 use super::vibration::{Start, VibrationAnalysis};
 use crate::Error;
@@ -227,14 +227,7 @@ impl Linearised<'_> {
             observe(sample.time / wanted)
         })?;
         let energy_error = found.energy_error();
-        if let Some(failure) = found.failure {
-            return Err(Error::Transient {
-                time: found.samples.last().map_or(0.0, |s| s.time),
-                wanted,
-                reason: failure.reason,
-                history: failure.history,
-            });
-        }
+        let found = whole(found, wanted)?;
         let carried = noise.drive.base.map_or(0.0, |base| base.carried);
         let stationary = &found.samples[settling * asked.steps_per_period..];
         let squares = |value: &dyn Fn(&Sample) -> f64| {

@@ -1,7 +1,7 @@
 //! The ring-down of a scene's reduced model in time, identified like a measured one: an independent check of the backbone.
 
 use super::comparison::{Backbone, Misfit, Point};
-use super::linearised::{Linearised, flow};
+use super::linearised::{Linearised, flow, whole};
 use super::vibration::{Start, VibrationAnalysis};
 use crate::Error;
 use cqsma_solver::transient::{self, Transient};
@@ -231,16 +231,8 @@ impl Linearised<'_> {
             flow(progress)
         })?;
         progress.end(Stage::Transient);
-        if let Some(failure) = transient.failure {
-            return Err(Error::Transient {
-                time: transient.samples.last().map_or(0.0, |s| s.time),
-                wanted,
-                reason: failure.reason,
-                history: failure.history,
-            });
-        }
         Ok(Motion {
-            transient,
+            transient: whole(transient, wanted)?,
             frequency_hz,
         })
     }

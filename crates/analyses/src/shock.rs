@@ -1,6 +1,6 @@
 //! Shocks of a scene's structure in time, beside those of a joint that answers linearly.
 
-use super::linearised::{Drive, Linearised, flow};
+use super::linearised::{Drive, Linearised, flow, whole};
 use super::vibration::{Start, VibrationAnalysis};
 use crate::Error;
 use cqsma_solver::transient::{self, Transient};
@@ -31,17 +31,17 @@ enum Load {
 
 impl Load {
     fn of(shock: &Shock, progress: &dyn Progress) -> Result<Self, Error> {
-        let record = match (&shock.pulse, &shock.record) {
-            (Some(pulse), _) => return Ok(Self::Pulse(*pulse)),
-            (None, record) => record,
-        };
+        if let Some(pulse) = shock.pulse {
+            return Ok(Self::Pulse(pulse));
+        }
         let Some(Record {
             path,
             channel,
             unit,
             sample_rate,
-        }) = record
+        }) = &shock.record
         else {
+            // Scenes have one of the two; the solver refuses a load without values.
             return Ok(Self::Record {
                 step: 1.0,
                 values: Vec::new(),
@@ -143,6 +143,8 @@ pub struct ShockResponse {
     pub spectrum: Vec<[f64; 3]>,
     /// Quality factor of their oscillators.
     pub quality: f64,
+    /// Steps per period of the first mode followed.
+    pub steps_per_period: usize,
 }
 
 impl Linearised<'_> {
@@ -171,15 +173,7 @@ impl Linearised<'_> {
                 progress.fraction(Stage::Shock, done + 0.5 * sample.time / wanted);
                 flow(progress)
             })?;
-            match found.failure {
-                None => Ok((found, start)),
-                Some(failure) => Err(Error::Transient {
-                    time: found.samples.last().map_or(0.0, |s| s.time),
-                    wanted,
-                    reason: failure.reason,
-                    history: failure.history,
-                }),
-            }
+            Ok::<_, Error>((whole(found, wanted)?, start))
         };
         let (motion, start) = follow(1.0, 0.0)?;
         let (mut linear, _) = follow(LINEAR, 0.5)?;
@@ -214,6 +208,7 @@ impl Linearised<'_> {
             residual_sliding: jumps.map(|jump| jump[0].hypot(jump[1])).fold(0.0, f64::max),
             residual_response: motion.settled.iter().zip(self.response).map(|(u, r)| u * r).sum(),
             quality: settings.quality,
+            steps_per_period: settings.steps_per_period,
             motion,
             linear,
             load,
@@ -291,9 +286,7 @@ impl ShockSummary {
         let moved = |of: &Transient, from: usize| largest(&mut of.samples[from..].iter().map(|s| s.displacement));
         let [joint, linear] = motions.map(|of| moved(of, 0));
         let samples = found.motion.samples.len();
-        let period =
-            (1.0 / (found.spectrum.first().map_or(1.0, |s| s[0] / LOWEST) * found.motion.step)).round() as usize;
-        let last = moved(&found.motion, samples.saturating_sub(period.max(1)));
+        let last = moved(&found.motion, samples.saturating_sub(found.steps_per_period));
         let column = |place: usize| found.spectrum.iter().map(|row| row[place]).collect();
         Self {
             failure: None,

@@ -719,9 +719,7 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
             let weighted: f64 = squares.iter().zip(1..).map(|(e, h)| f64::from(h * h) * e).sum();
             PI * b * weighted
         } else {
-            let row = system.row;
-            let sine: f64 = unknown.v.column(2).iter().zip(row).map(|(v, e)| v * e).sum();
-            PI * force * sine - system.viscous_work(unknown)
+            system.supplied_work(unknown) - system.viscous_work(unknown)
         };
         Motion {
             modal_amplitude: amplitude,

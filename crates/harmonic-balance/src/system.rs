@@ -475,11 +475,16 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         force.work(&unknown.v)
     }
 
+    /// Work of the exciting force over a period (J).
+    pub(crate) fn supplied_work(&self, unknown: &Unknown) -> f64 {
+        let sine: f64 = unknown.v.column(2).iter().zip(self.row).map(|(v, e)| v * e).sum();
+        PI * unknown.at(Parameter::Force) * sine
+    }
+
     /// What the forces of a driven motion take over a period less what its force gives, relative to the energy of the first harmonic: `4 pi` times a
     /// damping ratio.
     pub(crate) fn energy_error(&self, unknown: &Unknown, evaluation: &Evaluation) -> f64 {
-        let sine: f64 = unknown.v.column(2).iter().zip(self.row).map(|(v, e)| v * e).sum();
-        let supplied = PI * unknown.at(Parameter::Force) * sine;
+        let supplied = self.supplied_work(unknown);
         let taken = evaluation.contact.work(&unknown.v) + self.viscous_work(unknown);
         let ([c, s], [mc, ms]) = (unknown.v.pair(1), evaluation.inertia.pair(1));
         let square: f64 = c.iter().zip(mc).chain(s.iter().zip(ms)).map(|(v, m)| v * m).sum();

@@ -61,8 +61,8 @@ fn last(summary: &Summary) -> Option<&BackboneSummary> {
 }
 
 /// Interfaces from that which dissipates most on.
-fn by_dissipation(of: &BackboneSummary) -> Vec<&JointSummary> {
-    let mut joints: Vec<&JointSummary> = of.joints.iter().collect();
+fn by_dissipation(joints: &[JointSummary]) -> Vec<&JointSummary> {
+    let mut joints: Vec<&JointSummary> = joints.iter().collect();
     // The first of equal ones first.
     joints.sort_by(|a, b| b.dissipation.total_cmp(&a.dissipation));
     joints
@@ -108,7 +108,7 @@ fn caption(of: &BackboneSummary) -> String {
 }
 
 fn bars(of: &BackboneSummary) -> Result<String, Error> {
-    let joints = by_dissipation(of);
+    let joints = by_dissipation(&of.joints);
     let shown = &joints[..joints.len().min(MOST)];
     let size = (900, (TITLE + ROW * shown.len() as i32 + 20) as u32);
     picture("the dissipation of the interfaces", size, |root| draw(root, shown))
@@ -138,7 +138,7 @@ fn draw(root: &Canvas<'_>, shown: &[&JointSummary]) -> Result<(), Drawing> {
 
 /// What the terminal says.
 fn line(of: &BackboneSummary) -> String {
-    let Some(first) = by_dissipation(of)
+    let Some(first) = by_dissipation(&of.joints)
         .first()
         .copied()
         .filter(|joint| joint.dissipation > 0.0)
@@ -169,8 +169,7 @@ mod tests {
         let joints: Vec<JointSummary> =
             serde_json::from_value(json!([joint("a & b", 1.0), joint("lap 2", 3.0), joint("lap 3", 0.0)]))
                 .expect("joints");
-        let mut order: Vec<&JointSummary> = joints.iter().collect();
-        order.sort_by(|a, b| b.dissipation.total_cmp(&a.dissipation));
+        let order = by_dissipation(&joints);
         let svg = picture("joints", (900, 200), |root| draw(root, &order)).expect("a picture");
         assert_eq!(crate::markup::check(&svg), Ok(()));
         let at = |text: &str| svg.find(text).expect(text);
