@@ -11,6 +11,7 @@ use crate::force::{DifferentiablePointwiseForce, PointwiseForce};
 use crate::harmonics::Harmonics;
 use contact_laws::{Components, ComponentsMut, StateView, StateViewMut, TangentMut};
 use cqsma_solver::sensitivity::ParameterRate;
+use nalgebra::Complex;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -77,6 +78,14 @@ impl Batch {
             begin: vec![0.0; n * n_state],
             end: vec![0.0; n * n_state],
         }
+    }
+}
+
+/// Factors of real and imaginary part of a number in the real (0) or imaginary part (1) of its product with `factor`.
+fn part_of_product(factor: Complex<f64>, part: usize) -> [f64; 2] {
+    match part {
+        0 => [factor.re, -factor.im],
+        _ => [factor.im, factor.re],
     }
 }
 
@@ -438,6 +447,30 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
         self.collect(&answers, motion.size())
     }
 
+    /// `exp(-growth t)` times the change of the contact forces at `motion` along `exp(growth t) change(t)`, with the time `t` in periods; real and
+    /// imaginary part.
+    pub(crate) fn growing_derivative(
+        &self,
+        motion: &Harmonics,
+        change: [&Harmonics; 2],
+        growth: Complex<f64>,
+    ) -> [Harmonics; 2] {
+        let jumps = self.jumps(motion);
+        let changes = change.map(|part| self.jumps(part));
+        let answers: Vec<[BatchResponse; 2]> = self
+            .force
+            .batches()
+            .par_iter()
+            .enumerate()
+            .map(|(index, range)| {
+                let changes = changes.each_ref().map(|part| part[index].as_slice());
+                self.follow_growth(index, range, &jumps[index], changes, growth)
+            })
+            .collect();
+        let (re, im): (Vec<_>, Vec<_>) = answers.into_iter().map(|[re, im]| (re, im)).unzip();
+        [re, im].map(|part| self.collect(&part, motion.size()))
+    }
+
     /// Change of the contact forces at `motion` with a parameter, per unit of it, from that of the static state.
     pub(crate) fn parameter_change(&self, motion: &Harmonics, rate: &ParameterRate<'_, F>) -> Harmonics
     where
@@ -501,6 +534,72 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
                 );
             }),
         }
+    }
+
+    /// Derivative of one batch along what grows by `exp(growth)` per period, without that growth.
+    fn follow_growth(
+        &self,
+        index: usize,
+        range: &Range<usize>,
+        jumps: &[f64],
+        changes: [&[f64]; 2],
+        growth: Complex<f64>,
+    ) -> [BatchResponse; 2] {
+        let n = range.len();
+        let n_state = self.force.n_state(index);
+        let mut batch = Batch::new(n, n_state);
+        self.force.state_of(index, self.state, &mut batch.begin);
+        // Without the imaginary part there is one real motion, and not two.
+        let is_real = growth.im == 0.0 && changes[1].iter().all(|value| *value == 0.0);
+        let mut grown: Vec<Batch> = (0..if is_real { 1 } else { 2 })
+            .map(|_| Batch::new(n, n_state))
+            .collect();
+        let mut own = changes.map(|_| Batch::new(n, 0).jump);
+        let mut coefficients = [vec![0.0; jumps.len()], vec![0.0; jumps.len()]];
+        let Sampling { samples, periods, .. } = self.sampling;
+        for period in 1..=periods {
+            for sample in 0..samples {
+                self.place(jumps, sample, range, &mut batch);
+                for (own, changes) in own.iter_mut().zip(changes) {
+                    self.synthesise(changes, sample, own);
+                }
+                let time = period as f64 - periods as f64 + sample as f64 / samples as f64;
+                let factor = (growth * time).exp();
+                for (part, change) in grown.iter_mut().enumerate() {
+                    let [a, b] = part_of_product(factor, part);
+                    for (q, jump) in change.jump.iter_mut().enumerate() {
+                        for (jump, (re, im)) in jump.iter_mut().zip(own[0][q].iter().zip(&own[1][q])) {
+                            *jump = a * re + b * im;
+                        }
+                    }
+                    self.differentiate(index, &mut batch, change);
+                    std::mem::swap(&mut change.begin, &mut change.end);
+                }
+                std::mem::swap(&mut batch.begin, &mut batch.end);
+                if period < periods {
+                    continue;
+                }
+                let factor = (-growth * time).exp();
+                let mut tractions = grown.iter().map(|change| &change.traction);
+                let (Some(re), im) = (tractions.next(), tractions.next()) else {
+                    continue;
+                };
+                for (part, own) in own.iter_mut().enumerate() {
+                    let [a, b] = part_of_product(factor, part);
+                    for (q, values) in own.iter_mut().enumerate() {
+                        for (i, value) in values.iter_mut().enumerate() {
+                            *value = a * re[q][i] + im.map_or(0.0, |im| b * im[q][i]);
+                        }
+                    }
+                    self.analyse(own, sample, &mut coefficients[part]);
+                }
+            }
+        }
+        coefficients.map(|coefficients| BatchResponse {
+            coefficients,
+            histories: Vec::new(),
+            drift: [0.0; 2],
+        })
     }
 
     /// Derivative of one batch along all periods. The static state does not change.

@@ -13,6 +13,7 @@ use crate::error::require;
 use crate::force::PointwiseForce;
 use crate::harmonics::Harmonics;
 use crate::solve::{BUDGET, Closure, Condition, Converged, Effort, Failure, NewtonSettings, Reason, solve};
+use crate::stability::{self, Exponent};
 use crate::system::{Parameter, System, Unknown};
 use cqsma_solver::Linearisation;
 use std::ops::ControlFlow;
@@ -235,6 +236,31 @@ pub fn resonances<F: PointwiseForce>(
             energy_error: system.energy_error(&unknown, &converged.evaluation),
             displacement: unknown.v,
         }));
+    }
+    Ok(found)
+}
+
+/// Floquet exponents at the points of a curve that [`follow`] found, each under its force; `observe` hears after every point and may stop the run.
+///
+/// # Errors
+/// Sizes that do not fit, and [`Error::Interrupted`].
+pub fn exponents<F: PointwiseForce>(
+    line: &Linearisation<'_, F::State>,
+    law: &F,
+    row: &[f64],
+    held: Held<'_>,
+    points: &[Point],
+    settings: &Settings,
+    observe: &mut dyn FnMut(usize) -> ControlFlow<()>,
+) -> Result<Vec<Result<Vec<Exponent>, Failure>>, Error> {
+    let system = system(line, law, row, held, settings)?;
+    let mut found = Vec::with_capacity(points.len());
+    for point in points {
+        let exponents = stability::exponents(&system, point);
+        if line.limits.stops() || observe(found.len() + 1).is_break() {
+            return Err(Error::Interrupted);
+        }
+        found.push(exponents);
     }
     Ok(found)
 }

@@ -15,6 +15,7 @@ pub mod harmonics;
 pub mod interface;
 pub mod probe;
 mod solve;
+pub mod stability;
 pub mod synthesis;
 mod system;
 

@@ -25,6 +25,7 @@ use cqsma_solver::Linearisation;
 use cqsma_solver::sensitivity::ParameterRate;
 use dense_algebra::{Inverse, Packed, Vector};
 use faer::{Mat, MatRef};
+use nalgebra::Complex;
 use std::f64::consts::PI;
 
 /// Denominators of modes closer to resonance than this, relative to their eigenvalue, are kept away from zero.
@@ -275,10 +276,22 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         self.momenta.col_as_slice(mode)
     }
 
+    /// `P phi` of a mode.
+    pub(crate) fn elastic_force(&self, mode: usize) -> &[f64] {
+        self.elastic.col_as_slice(mode)
+    }
+
     /// `P^-1 x`, column by column.
     pub(crate) fn solve_stuck(&self, x: &Harmonics) -> Harmonics {
         let mut out = Harmonics::zeros(x.size(), x.count());
         out.each_column(|column, y| self.line.preconditioner_solve_into(x.column(column), y));
+        out
+    }
+
+    /// `M x` of every column.
+    pub(crate) fn momentum_of(&self, x: &Harmonics) -> Harmonics {
+        let mut out = Harmonics::zeros(x.size(), x.count());
+        out.each_column(|column, y| self.mass.product_into(x.column(column), y));
         out
     }
 
@@ -294,7 +307,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
     }
 
     /// `T x`, column by column, taken off `from`.
-    fn subtract_stuck(&self, x: &Harmonics, from: &mut Harmonics) {
+    pub(crate) fn subtract_stuck(&self, x: &Harmonics, from: &mut Harmonics) {
         let nd = self.force.n_dofs();
         from.each_column(|column, y| {
             let mut product = vec![0.0; nd];
@@ -331,37 +344,42 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         });
     }
 
-    /// Adds `i h factor C x` of every harmonic of a motion `x`, of which `p = P x` and `inertia = M x`.
-    fn add_damping(&self, x: &Harmonics, p: &Harmonics, inertia: &Harmonics, factor: f64, to: &mut Harmonics) {
-        self.add_background(x, factor, to);
-        let [of_mass, of_stiffness] = self.rayleigh;
-        if [of_mass, of_stiffness] == [0.0; 2] {
+    /// Adds `i h factor C x` of every harmonic of a motion `x`, of which `p = P x` and `momentum = M x`.
+    fn add_damping(&self, x: &Harmonics, p: &Harmonics, momentum: &Harmonics, factor: f64, to: &mut Harmonics) {
+        let Some(damping) = self.damping(x, p, momentum) else {
             return;
-        }
-        let mut rate = p.clone();
-        self.subtract_stuck(x, &mut rate);
-        rate.scale(of_stiffness);
-        rate.add(of_mass, inertia);
+        };
         for h in 1..=x.count() {
-            add_rotated(to.pair_mut(h), rate.pair(h), 0.0, h as f64 * factor);
+            add_rotated(to.pair_mut(h), damping.pair(h), 0.0, h as f64 * factor);
         }
     }
 
-    /// The part of the modal background damping.
-    fn add_background(&self, x: &Harmonics, factor: f64, to: &mut Harmonics) {
-        if self.background.iter().all(|c| *c == 0.0) {
-            return;
+    /// `C x` of every column, of which `p = P x` and `momentum = M x`; `None` without viscous damping.
+    pub(crate) fn damping(&self, x: &Harmonics, p: &Harmonics, momentum: &Harmonics) -> Option<Harmonics> {
+        let [of_mass, of_stiffness] = self.rayleigh;
+        let has_background = self.background.iter().any(|c| *c != 0.0);
+        let is_proportional = [of_mass, of_stiffness] != [0.0; 2];
+        if !has_background && !is_proportional {
+            return None;
         }
-        let mut modal = self.modal(x, &self.momenta);
-        modal[0].fill(0.0);
-        for h in 1..=x.count() {
-            let (cosines, sines) = modal.split_at_mut(2 * h);
-            for ((c, s), damping) in cosines[2 * h - 1].iter_mut().zip(&mut sines[0]).zip(&self.background) {
-                let rate = h as f64 * factor * damping;
-                (*c, *s) = (rate * *s, -rate * *c);
+        let mut force = Harmonics::zeros(x.size(), x.count());
+        if has_background {
+            let mut modal = self.modal(x, &self.momenta);
+            for column in &mut modal {
+                column
+                    .iter_mut()
+                    .zip(&self.background)
+                    .for_each(|(q, damping)| *q *= damping);
             }
+            self.add_modes(&modal, &self.momenta, &mut force);
         }
-        self.add_modes(&modal, &self.momenta, to);
+        if is_proportional {
+            let mut elastic = p.clone();
+            self.subtract_stuck(x, &mut elastic);
+            force.add(of_stiffness, &elastic);
+            force.add(of_mass, momentum);
+        }
+        Some(force)
     }
 
     /// Adds `-(h^2 a + i h b)` times `inertia` of every harmonic.
@@ -375,6 +393,16 @@ impl<'a, F: PointwiseForce> System<'a, F> {
     /// Contact forces along a motion.
     pub(crate) fn contact_forces(&self, motion: &Harmonics) -> Harmonics {
         self.contact.forces(motion).force
+    }
+
+    /// What grows of them along what grows by `exp(growth)` per period ([`Contact::growing_derivative`]).
+    pub(crate) fn growing_contact(
+        &self,
+        motion: &Harmonics,
+        change: [&Harmonics; 2],
+        growth: Complex<f64>,
+    ) -> [Harmonics; 2] {
+        self.contact.growing_derivative(motion, change, growth)
     }
 
     /// The same from fewer samples.

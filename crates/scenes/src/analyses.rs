@@ -56,7 +56,7 @@ impl Analyses {
     pub fn drivers(&self) -> Vec<Driver> {
         let named = |excitation: Excitation, [point, base]: [&'static str; 2]| Driver {
             field: match excitation {
-                Excitation::Base { .. } => base,
+                Excitation::Base(_) => base,
                 _ => point,
             },
             excitation,

@@ -23,12 +23,7 @@ pub enum Excitation {
     /// A force on coordinates of matrices: label, component, factor.
     Terms(Vec<(i64, u32, f64)>),
     /// All supports move alike.
-    Base {
-        /// Direction of the motion, a unit vector.
-        direction: [f64; 3],
-        /// In matrices, how its coordinates move when everything moves by one, where it is given: label, component, factor.
-        motion: Option<Vec<(i64, u32, f64)>>,
-    },
+    Base(BaseMotion),
 }
 
 /// An excitation, and the field of the scene that asks for it.
@@ -45,8 +40,9 @@ pub struct Driver {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct BaseMotion {
-    /// Direction of the motion, a unit vector.
-    pub direction: [f64; 3],
+    /// Direction of the motion, a unit vector; either this or `motion` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
     /// In matrices whose coordinates do not show it, how these move when everything moves by one: label, component, factor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motion: Option<Vec<(i64, u32, f64)>>,
@@ -94,10 +90,7 @@ pub(super) fn one_of(base: Option<&BaseMotion>, force: Option<&PointForce>) -> R
 /// What a base or a force, of which one is given, is.
 pub(super) fn excitation(base: Option<&BaseMotion>, force: Option<&PointForce>) -> Excitation {
     match (base, force) {
-        (Some(base), _) => Excitation::Base {
-            direction: base.direction,
-            motion: base.motion.clone(),
-        },
+        (Some(base), _) => Excitation::Base(base.clone()),
         (None, Some(force)) => point(force),
         (None, None) => Excitation::Response,
     }
@@ -158,12 +151,21 @@ fn check_base(
     base: &BaseMotion,
     is_matrices: bool,
 ) -> Result<(), Error> {
-    check_direction(check, direction, base.direction)?;
-    let given = f64::from(u8::from(base.motion.is_some()));
+    let given = u8::from(base.direction.is_some()) + u8::from(base.motion.is_some());
+    check.that(
+        given == 1,
+        direction,
+        f64::from(given),
+        "(given)",
+        "exactly one of direction and motion",
+    )?;
+    if let Some(along) = base.direction {
+        check_direction(check, direction, along)?;
+    }
     check.that(
         is_matrices || base.motion.is_none(),
         motion,
-        given,
+        1.0,
         "(given)",
         "left out where the structure is not given as matrices",
     )?;

@@ -35,8 +35,9 @@ pub(super) const FIELDS: ExcitationFields = ExcitationFields {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ForcedBase {
-    /// Direction of the motion, a unit vector.
-    pub direction: [f64; 3],
+    /// Direction of the motion, a unit vector; either this or `motion` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
     /// In matrices whose coordinates do not show it, how these move when everything moves by one: label, component, factor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motion: Option<Vec<(i64, u32, f64)>>,

@@ -47,7 +47,7 @@ fn a_mass_on_one_contact_moves_on_its_base_as_the_closed_form_says() {
     given["background_damping"] = json!(zeta);
     let omega = ((ground + contact) / 2.0_f64).sqrt();
     let first = omega / TAU;
-    let base = json!({ "direction": [1.0, 0.0, 0.0], "motion": [[7, 1, 1.0]], "levels": [level] });
+    let base = json!({ "motion": [[7, 1, 1.0]], "levels": [level] });
     given["analyses"] = json!({
         "modes": { "number": 1 },
         "forced": { "base": base, "from_hz": 0.5 * first, "to_hz": 1.5 * first, "tolerance": 1e-12 },
@@ -96,7 +96,7 @@ fn a_moving_base_is_an_inertial_force() {
         summary(&found).forced.remove(0)
     };
     let motion = json!([[7, 1, 1.0], [-1, 1, 1.0]]);
-    let base = response(json!({ "base": { "direction": [1.0, 0.0, 0.0], "motion": motion, "levels": [level] } }));
+    let base = response(json!({ "base": { "motion": motion, "levels": [level] } }));
     let force = response(json!({ "terms": [[7, 1, -1.0], [-1, 1, -2.0]], "levels": [level] }));
     assert_eq!((base.failure.as_deref(), force.failure.as_deref()), (None, None));
     assert_eq!(base.frequency.len(), force.frequency.len());
@@ -290,7 +290,7 @@ fn at_the_response_that_a_force_led_to_the_test_needs_that_force() {
 fn shock(path: &Path, amplitude: f64, change: impl Fn(&mut Value)) -> Value {
     let motion = json!([[7, 1, 1.0], [-1, 1, 1.0]]);
     let mut asked = json!({
-        "base": { "direction": [1.0, 0.0, 0.0], "motion": motion },
+        "base": { "motion": motion },
         "pulse": { "shape": "half-sine", "amplitude": amplitude, "duration_s": 0.02 },
         "periods": 60, "steps_per_period": 200,
     });
@@ -382,7 +382,7 @@ fn random_vibration_from_the_backbone_is_that_of_long_motions_in_time() {
             "backbone": { "amplitudes": 40, "amplitude_from": 1e-6, "amplitude_to": 2e-2 },
             // Beyond the second mode, so that both move.
             "random": {
-                "base": { "direction": [1.0, 0.0, 0.0], "motion": motion }, "psd": [[2.0, 0.05], [80.0, 0.05]], "levels": [0.2, 0.5, 3.0, 12.0],
+                "base": { "motion": motion }, "psd": [[2.0, 0.05], [80.0, 0.05]], "levels": [0.2, 0.5, 3.0, 12.0],
                 "in_time": { "periods": 6000, "steps_per_period": 60 },
             },
         }),

@@ -7,7 +7,7 @@ use harmonic_balance::forced::{Curve, Held, Settings, follow, resonances};
 use harmonic_balance::{NewtonSettings, Sampling, synthesis};
 use std::ops::ControlFlow;
 
-fn settings(range: [f64; 2], harmonics: usize, background: f64) -> Settings {
+pub(crate) fn settings(range: [f64; 2], harmonics: usize, background: f64) -> Settings {
     Settings {
         range,
         sampling: Sampling {
@@ -24,7 +24,7 @@ fn settings(range: [f64; 2], harmonics: usize, background: f64) -> Settings {
     }
 }
 
-fn go<T>(_: &T) -> ControlFlow<()> {
+pub(crate) fn go<T>(_: &T) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 

@@ -5,3 +5,4 @@ mod common;
 mod closed_forms;
 mod forced_responses;
 mod refusals;
+mod stability;

@@ -15,7 +15,7 @@ pub(super) fn excited(
                 node: node(driver.field, &name)?,
                 direction,
             }),
-            Excitation::Base { direction, .. } => Some(Excited::Base(direction)),
+            Excitation::Base(base) => base.direction.map(Excited::Base),
             // Of matrices alone.
             Excitation::Response | Excitation::Terms(_) => None,
         })
@@ -33,7 +33,7 @@ pub(super) fn require_held(scene: &Scene, rigid_motions: usize) -> Result<(), Er
     let drivers = scene.analyses.drivers();
     let moving = drivers
         .iter()
-        .find(|driver| matches!(driver.excitation, Excitation::Base { .. }));
+        .find(|driver| matches!(driver.excitation, Excitation::Base(_)));
     match moving {
         Some(driver) if rigid_motions > 0 => Err(Error::FreeBase {
             field: driver.field,

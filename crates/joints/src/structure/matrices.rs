@@ -135,11 +135,11 @@ pub(super) fn joint(source: &Matrices, scene: &Scene, notes: &mut dyn FnMut(&str
             Excitation::Response => continue,
             Excitation::Terms(terms) => force(vectors.terms(&terms)?),
             Excitation::Node { node, direction } => force(vectors.at_node(driver.field, &node, direction)?),
-            Excitation::Base { direction, motion } => {
+            Excitation::Base(base) => {
                 require_held(scene, zero_energy_modes)?;
-                let motion = match motion {
-                    Some(terms) => vectors.coordinates(&terms)?,
-                    None => vectors.translation(driver.field, direction, is_reduced)?,
+                let motion = match base.direction {
+                    Some(direction) => vectors.translation(driver.field, direction, is_reduced)?,
+                    None => vectors.coordinates(base.motion.as_deref().unwrap_or_default())?,
                 };
                 ExcitedRow {
                     row: relative.row(&multiply_vector(&mass, &motion)),
@@ -357,8 +357,8 @@ impl Vectors<'_> {
     fn translation(&self, field: &str, direction: [f64; 3], over_jump: bool) -> Result<Vec<f64>, Error> {
         if over_jump || self.contents.lift.is_some() {
             return Err(self.file.fail(&format!(
-                "{field} needs to know how its coordinates move when everything moves by one, and coordinates over the jump do not show it; give it as \
-                 {field}.motion, or the matrices over both sides"
+                "{field} needs to know how its coordinates move when everything moves by one, and coordinates over the jump do not show it; give that as \
+                 `motion` in the place of `direction`, or the matrices over both sides"
             )));
         }
         let along = |dof: &Dof| {
@@ -367,7 +367,7 @@ impl Vectors<'_> {
             (Dof::Nodal { .. }, 4..=6) => Ok(0.0),
             (_, component) => Err(self.file.fail(&format!(
                 "{field} needs to know how its coordinates move when everything moves by one, and {} component {component} is no displacement or \
-                 rotation of a node; give it as {field}.motion",
+                 rotation of a node; give that as `motion` in the place of `direction`",
                 dof.label()
             ))),
         }

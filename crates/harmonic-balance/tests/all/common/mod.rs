@@ -14,6 +14,8 @@ pub(crate) enum Element {
     Jenkins { stiffness: f64, limit: f64 },
     /// `coefficient u^3`.
     Cubic { coefficient: f64 },
+    /// `coefficient u^2`.
+    Quadratic { coefficient: f64 },
     /// Unilateral spring that is pressed by `preload` at rest.
     Unilateral { stiffness: f64, preload: f64 },
 }
@@ -50,6 +52,7 @@ impl Elements {
                 }
             }
             Element::Cubic { coefficient } => (coefficient * u.powi(3), [3.0 * coefficient * u * u, 0.0, 0.0]),
+            Element::Quadratic { coefficient } => (coefficient * u * u, [2.0 * coefficient * u, 0.0, 0.0]),
             Element::Unilateral { stiffness, preload } => {
                 let force = stiffness * u + preload;
                 if force > 0.0 {
