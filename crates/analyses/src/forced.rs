@@ -5,12 +5,14 @@
 //! `r^T M (u'' + r a)`.
 
 use super::epmc::EpmcBackbone;
-use super::linearised::{Base, Drive, flow, newton};
+use super::linearised::{Base, Drive, Linearised, flow, newton};
 use super::vibration::{Start, VibrationAnalysis};
 use crate::Error;
 use harmonic_balance::backbone::Motion;
 use harmonic_balance::forced::Held;
-use harmonic_balance::{Failure, Harmonics, Sampling, forced, synthesis};
+use harmonic_balance::points::{Between, Finder, LEAST_SHARE};
+use harmonic_balance::stability::{self, Bifurcation, Exponent};
+use harmonic_balance::{Failure, Harmonics, Load, Sampling, forced, synthesis};
 use joints::progress::Stage;
 use joints::store::checkpoint::{Checkpoint, Checkpoints};
 use scenes::Forced;
@@ -19,9 +21,6 @@ use std::f64::consts::TAU;
 
 /// Periods that histories are followed for at first; more where they do not repeat.
 const PERIODS: usize = 2;
-
-/// Smallest share of a harmonic whose maximum is reported.
-const LEAST_SHARE: f64 = 1e-3;
 
 /// Intervals between two amplitudes of a backbone in the response of one mode.
 const BETWEEN: usize = 16;
@@ -34,8 +33,8 @@ impl VibrationAnalysis for Forced {
         let (about, progress, settings) = (start.about, start.progress, self);
         let free = start.modes.iter().filter_map(|mode| mode.epmc.as_ref());
         progress.begin(Stage::Forced);
-        let Drive { row, base } = about.drive(&settings.excitation());
-        let range = [TAU * settings.from_hz, TAU * settings.to_hz];
+        let (load, base) = load(settings, about);
+        let range = settings.range_hz().map(|hz| TAU * hz);
         let background = about.scene.background_damping;
         let solver = forced::Settings {
             range,
@@ -70,7 +69,7 @@ impl VibrationAnalysis for Forced {
             None => Checkpoint::default(),
             Some((directory, mut key)) => {
                 key.numbers(about.line.displacement().iter().copied());
-                key.numbers(row.iter().copied());
+                key.numbers(load.cosine.iter().chain(&load.sine).copied());
                 Checkpoint::open(directory, "forced", &key.finish())
             }
         };
@@ -84,14 +83,14 @@ impl VibrationAnalysis for Forced {
             ));
         }
         for (index, &level) in levels.iter().enumerate().skip(responses.len()) {
-            let held = match settings.holds_response() {
-                true => Held::Response {
+            let held = match settings.held() {
+                scenes::Held::Response => Held::Response {
                     row: about.response,
                     amplitude: level,
                 },
-                false => Held::Force(level),
+                _ => Held::Force(level),
             };
-            let curve = forced::follow(about.line, about.force, &row, held, &solver, &mut |point| {
+            let mut curve = forced::follow(about.line, about.force, &load, held, &solver, &mut |point| {
                 let way = (point.omega - range[0]) / (range[1] - range[0]);
                 progress.fraction(
                     Stage::Forced,
@@ -99,10 +98,26 @@ impl VibrationAnalysis for Forced {
                 );
                 flow(progress)
             })?;
-            let resonances = forced::resonances(about.line, about.force, &row, held, &curve, &solver)?;
+            let mut finder = Finder::try_new(about.line, about.force, &load, held, &solver)?;
+            finder.resolve_peaks(&mut curve, about.response)?;
+            let resonances = finder.resonances(&curve)?;
+            // Resonances are points of the curve too; from the last to the first, so that the indices hold.
+            for found in resonances.iter().flatten().rev() {
+                curve.insert(found.after, found.point.clone());
+            }
+            let mut at_frequencies = Vec::new();
+            for hz in &settings.frequencies_hz {
+                at_frequencies.extend(finder.at(&curve, TAU * hz)?);
+            }
+            let exponents = match settings.stability {
+                true => Some(finder.exponents(&curve, &mut |_| flow(progress))?),
+                false => None,
+            };
             let alone = match held {
-                Held::Force(force) => synthesis::response(&motions, &row, about.response, force, viscous, BETWEEN),
-                Held::Response { .. } => Vec::new(),
+                Held::Force(force) if !load.is_unbalance => {
+                    synthesis::response(&motions, &load, about.response, force, viscous, BETWEEN)
+                }
+                _ => Vec::new(),
             };
             let synthesis = alone
                 .into_iter()
@@ -110,11 +125,11 @@ impl VibrationAnalysis for Forced {
                 .collect();
             let observed = Observed {
                 row: about.response,
-                load: &row,
+                load: &load.cosine,
                 base,
                 level,
             };
-            let response = ForcedResponse::new(&observed, curve, &resonances, synthesis);
+            let response = ForcedResponse::new(&observed, curve, [&resonances, &at_frequencies], exponents, synthesis);
             checkpoint.add(index, &response);
             responses.push(response);
         }
@@ -124,15 +139,37 @@ impl VibrationAnalysis for Forced {
     }
 }
 
+/// The load of a response per unit of its level, and what moves with the supports if these move.
+fn load(settings: &Forced, about: Linearised<'_>) -> (Load, Option<Base>) {
+    let n = about.response.len();
+    let mut load = Load {
+        cosine: vec![0.0; n],
+        sine: vec![0.0; n],
+        is_unbalance: settings.held() == scenes::Held::Unbalance,
+    };
+    let mut moving = None;
+    for (excitation, [cosine, sine]) in settings.excitations() {
+        let Drive { row, base } = about.drive(&excitation);
+        for (i, value) in row.iter().enumerate() {
+            load.cosine[i] += cosine * value;
+            load.sine[i] += sine * value;
+        }
+        moving = moving.or(base);
+    }
+    (load, moving)
+}
+
 /// The response to an excitation of one amplitude.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ForcedResponse {
-    /// Amplitude of the force (N), of the acceleration of the supports (m/s^2), or of the response (m): what is held.
+    /// Amplitude of the force (N), of the acceleration of the supports (m/s^2), of the unbalance (kg m), or of the response (m): what is held.
     pub level: f64,
     /// Points in the order in which they follow one another on the curve.
     pub points: Vec<ForcedPoint>,
     /// Where the response is a quarter period behind the force.
     pub resonances: Vec<Result<ForcedPoint, Failure>>,
+    /// At the frequencies asked for, on each branch.
+    pub at_frequencies: Vec<Result<ForcedPoint, Failure>>,
     /// The response of the nonlinear mode alone, where there is an EPMC backbone.
     pub synthesis: Vec<synthesis::Point>,
     /// Why the curve ends early, if it does.
@@ -164,6 +201,8 @@ pub struct ForcedPoint {
     pub outside: Option<Outside>,
     /// Whether the frequency turns back here.
     pub turns: bool,
+    /// Floquet exponents, where the stability is judged.
+    pub exponents: Option<Result<Vec<Exponent>, Failure>>,
 }
 
 /// A motion under moving supports, seen from outside.
@@ -211,13 +250,16 @@ impl Observed<'_> {
 }
 
 impl ForcedPoint {
-    fn new(
-        of: &Observed<'_>,
-        [omega, force]: [f64; 2],
-        displacement: &Harmonics,
-        [residual, energy_error]: [f64; 2],
-        turns: bool,
-    ) -> Self {
+    fn new(of: &Observed<'_>, point: &forced::Point) -> Self {
+        let forced::Point {
+            omega,
+            force,
+            ref displacement,
+            residual,
+            energy_error,
+            turns,
+            ..
+        } = *point;
         let along = displacement.along(of.row);
         let pair = |h: usize| [along[2 * h - 1], along[2 * h]];
         let components: Vec<[f64; 2]> = (1..=displacement.count()).map(pair).collect();
@@ -234,48 +276,39 @@ impl ForcedPoint {
             energy_error,
             outside: of.base.map(|base| of.outside(base, omega, [c, s], displacement)),
             turns,
+            exponents: None,
             components,
         }
     }
 }
 
+/// Points of a curve that were found apart, or why not.
+type FoundApart = [Result<Between, Failure>];
+
 impl ForcedResponse {
     fn new(
         of: &Observed<'_>,
         curve: forced::Curve,
-        resonances: &[Result<forced::Resonance, Failure>],
+        [resonances, at_frequencies]: [&FoundApart; 2],
+        exponents: Option<Vec<Result<Vec<Exponent>, Failure>>>,
         synthesis: Vec<synthesis::Point>,
     ) -> Self {
-        let point = |p: &forced::Point| {
-            ForcedPoint::new(
-                of,
-                [p.omega, p.force],
-                &p.displacement,
-                [p.residual, p.energy_error],
-                p.turns,
-            )
-        };
-        let resonance = |r: &forced::Resonance| {
-            ForcedPoint::new(
-                of,
-                [r.omega, r.force],
-                &r.displacement,
-                [r.residual, r.energy_error],
-                false,
-            )
-        };
-        let mut points: Vec<ForcedPoint> = curve.points.iter().map(point).collect();
-        // Resonances are points of the curve too; from the last to the first, so that the indices hold.
-        for found in resonances.iter().flatten().rev() {
-            points.insert(found.after + 1, resonance(found));
+        let mut points: Vec<ForcedPoint> = curve.points.iter().map(|p| ForcedPoint::new(of, p)).collect();
+        for (point, exponents) in points.iter_mut().zip(exponents.into_iter().flatten()) {
+            point.exponents = Some(exponents);
         }
+        let apart = |found: &FoundApart| {
+            let point = |r: &Result<Between, Failure>| match r {
+                Ok(found) => Ok(ForcedPoint::new(of, &found.point)),
+                Err(failure) => Err(failure.clone()),
+            };
+            found.iter().map(point).collect()
+        };
         Self {
             level: of.level,
             points,
-            resonances: resonances
-                .iter()
-                .map(|r| r.as_ref().map(resonance).map_err(Clone::clone))
-                .collect(),
+            resonances: apart(resonances),
+            at_frequencies: apart(at_frequencies),
             synthesis,
             failure: curve.failure,
             effort: curve.effort,
@@ -309,14 +342,15 @@ impl ForcedResponse {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ForcedSummary {
-    /// What is held: the amplitude of the force (N), of the acceleration of the supports (m/s^2), or of the first harmonic of the response (m).
+    /// What is held: the amplitude of the force (N), of the acceleration of the supports (m/s^2), of the unbalance (kg m), or of the first harmonic of the
+    /// response (m).
     pub level: f64,
-    /// Unit of the level: `N`, `m/s^2` or `m`.
+    /// Unit of the level: `N`, `m/s^2`, `kg m` or `m`.
     #[serde(default = "newton_unit")]
     pub level_unit: String,
     /// Frequencies of the force (Hz).
     pub frequency: Vec<f64>,
-    /// Amplitudes of the force (N), or of the acceleration of the supports (m/s^2).
+    /// Amplitudes of the force (N), of the acceleration of the supports (m/s^2), or of the unbalance (kg m).
     #[serde(default)]
     pub force: Vec<f64>,
     /// Amplitudes of the first harmonic of the displacement at the response point (m).
@@ -342,8 +376,11 @@ pub struct ForcedSummary {
     pub base: Option<OutsideSummary>,
     /// Indices, from 0, of the points at which the frequency turns back.
     pub turning_points: Vec<usize>,
-    /// Where the response is a quarter period behind the force.
-    pub resonances: Vec<ResonanceSummary>,
+    /// Where the response is a quarter period behind the force; of several forces, where nothing of it is in phase with them.
+    pub resonances: Vec<PointSummary>,
+    /// At the frequencies asked for, on each branch of the curve.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub at_frequencies: Vec<PointSummary>,
     /// Where the share of a harmonic above the first has a maximum of more than a thousandth.
     #[serde(default)]
     pub superharmonics: Vec<SuperharmonicSummary>,
@@ -353,9 +390,11 @@ pub struct ForcedSummary {
     pub single_mode_peak: Option<[f64; 2]>,
     /// Differences of the two, relative to the first.
     pub single_mode_error: Option<[f64; 2]>,
-    /// Whether it is known that the motions are stable: never with friction, whose histories have no monodromy matrix; between
-    /// turning points they usually are not.
+    /// What is known of the stability of the motions.
     pub stability: String,
+    /// The stability, where it is judged.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub floquet: Option<FloquetSummary>,
     /// Krylov steps of the whole curve.
     pub krylov_steps: usize,
     /// Why the curve ends early, if it does.
@@ -404,15 +443,95 @@ pub struct SuperharmonicSummary {
     pub share: f64,
 }
 
-/// A resonance of a forced response.
+/// Stability of the motions of a curve; lists run along it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct ResonanceSummary {
+pub struct FloquetSummary {
+    /// Whether each motion is stable; `null` where it is not known.
+    pub stable: Vec<Option<bool>>,
+    /// Floquet multipliers, real and imaginary part, one or a pair (of which the upper one is given) for each mode that the harmonics reach; empty where
+    /// they were not found.
+    pub multipliers: Vec<Vec<[f64; 2]>>,
+    /// Bounds of their errors, relative to them.
+    pub errors: Vec<Vec<f64>>,
+    /// Where the stability changes.
+    pub bifurcations: Vec<BifurcationSummary>,
+}
+
+/// A change of the stability between two points of a curve.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct BifurcationSummary {
+    /// `fold` (a multiplier passes 1: the curve turns back or branches), `period doubling` (one passes -1) or `Neimark-Sacker` (a pair passes the unit circle). The
+    /// curve is followed through all of them; branches of other periods are not.
+    pub kind: String,
+    /// Index, from 0, of the point before it.
+    pub after: usize,
+    /// Frequencies of the points before and after it (Hz).
+    pub frequency_hz: [f64; 2],
+}
+
+impl FloquetSummary {
+    fn of(points: &[ForcedPoint]) -> Option<Self> {
+        let all: Vec<&Result<Vec<Exponent>, Failure>> =
+            points.iter().map(|p| p.exponents.as_ref()).collect::<Option<_>>()?;
+        let omega = |i: usize| TAU * points[i].frequency_hz;
+        let each = |found: &Result<Vec<Exponent>, Failure>| found.as_deref().unwrap_or_default().to_vec();
+        let found: Vec<Vec<Exponent>> = all.iter().map(|found| each(found)).collect();
+        let judged = |of: &Vec<Exponent>| (!of.is_empty()).then(|| stability::is_stable(of)).flatten();
+        let between = |i: usize| {
+            let kind = stability::bifurcation((omega(i), &found[i]), (omega(i + 1), &found[i + 1]))?;
+            let is_known = !found[i].is_empty() && !found[i + 1].is_empty();
+            is_known.then(|| BifurcationSummary {
+                kind: match kind {
+                    Bifurcation::Fold => "fold",
+                    Bifurcation::PeriodDoubling => "period doubling",
+                    Bifurcation::NeimarkSacker => "Neimark-Sacker",
+                }
+                .to_owned(),
+                after: i,
+                frequency_hz: [points[i].frequency_hz, points[i + 1].frequency_hz],
+            })
+        };
+        let multipliers = |i: usize| found[i].iter().map(|e| e.multiplier(omega(i))).collect();
+        let errors = |i: usize| found[i].iter().map(|e| e.error * TAU / omega(i)).collect();
+        Some(Self {
+            stable: found.iter().map(judged).collect(),
+            multipliers: (0..points.len()).map(multipliers).collect(),
+            errors: (0..points.len()).map(errors).collect(),
+            bifurcations: (0..points.len().saturating_sub(1)).filter_map(between).collect(),
+        })
+    }
+
+    /// What it says in one line.
+    fn said(&self) -> String {
+        let count = |of: Option<bool>| self.stable.iter().filter(|stable| **stable == of).count();
+        let mut said = format!("{} of {} motions are stable", count(Some(true)), self.stable.len());
+        let unknown = count(None);
+        if unknown > 0 {
+            said +=
+                &format!(", {unknown} not judged (multipliers on the unit circle within their errors, or not found)");
+        }
+        for found in &self.bifurcations {
+            let [from, to] = found.frequency_hz;
+            said += &format!("; {} between {from:.4} and {to:.4} Hz", found.kind);
+        }
+        said + "; modes beyond the highest harmonic are not judged"
+    }
+}
+
+/// A point of a forced response that was found apart.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PointSummary {
     /// Frequency (Hz); `null` where it was not found.
     pub frequency_hz: Option<f64>,
     /// Amplitude of the first harmonic (m).
     pub amplitude: Option<f64>,
-    /// Amplitude of the force (N), or of the acceleration of the supports (m/s^2).
+    /// How far it lags behind the force (degrees).
+    #[serde(default)]
+    pub phase: Option<f64>,
+    /// Amplitude of the force (N), of the acceleration of the supports (m/s^2), or of the unbalance (kg m).
     #[serde(default)]
     pub force: Option<f64>,
     /// Residual relative to the elastic forces (energy norm).
@@ -424,7 +543,12 @@ pub struct ResonanceSummary {
 impl ForcedSummary {
     /// Whether the amplitude of the response was held, so that the force tells.
     pub fn holds_response(&self) -> bool {
-        self.level_unit == "m"
+        self.level_unit == scenes::Held::Response.unit()
+    }
+
+    /// Whether an unbalance was held.
+    pub fn is_unbalance(&self) -> bool {
+        self.level_unit == scenes::Held::Unbalance.unit()
     }
 
     /// What is drawn against the frequency: amplitudes of the response, or of the force where the response is held.
@@ -440,54 +564,63 @@ impl ForcedSummary {
         // Of a response that is held there is none.
         let peak = of
             .peak()
-            .filter(|_| unit != "m")
+            .filter(|_| unit != scenes::Held::Response.unit())
             .map(|p| [p.frequency_hz, p.harmonics[0]]);
         let alone = of
             .synthesis
             .iter()
             .max_by(|a, b| a.displacement.total_cmp(&b.displacement));
         let alone = alone.map(|p| [p.omega / TAU, p.displacement]);
-        let resonance = |found: &Result<ForcedPoint, _>| {
+        let floquet = FloquetSummary::of(&of.points);
+        let apart = |found: &Result<ForcedPoint, _>| {
             let point = found.as_ref().ok();
-            ResonanceSummary {
+            PointSummary {
                 frequency_hz: point.map(|p: &ForcedPoint| p.frequency_hz),
                 amplitude: point.map(|p| p.harmonics[0]),
+                phase: point.map(|p| p.phase.to_degrees()),
                 force: point.map(|p| p.force),
                 residual: point.map(|p| p.residual),
                 failure: found.as_ref().err().map(|f: &Failure| f.reason.to_string()),
             }
         };
         Self {
-        level: of.level,
-        level_unit: unit.to_owned(),
-        force: each(&|p| p.force),
-        energy_error: each(&|p| p.energy_error),
-        base: OutsideSummary::of(&of.points),
-        frequency: each(&|p| p.frequency_hz),
-        amplitude: each(&|p| p.harmonics[0]),
-        phase: each(&|p| p.phase.to_degrees()),
-        harmonics: of.points.iter().map(|p| p.harmonics.clone()).collect(),
-        components: of.points.iter().map(|p| p.components.clone()).collect(),
-        mean: each(&|p| p.mean),
-        residual: each(&|p| p.residual),
-        turning_points: (0..of.points.len()).filter(|i| of.points[*i].turns).collect(),
-        resonances: of.resonances.iter().map(resonance).collect(),
-        superharmonics: of
-            .superharmonics()
-            .into_iter()
-            .map(|(harmonic, point)| SuperharmonicSummary {
-                harmonic,
-                frequency_hz: point.frequency_hz,
-                share: point.harmonics[harmonic - 1] / point.harmonics[0],
-            })
-            .collect(),
-        single_mode_error: peak.zip(alone).map(|(p, a)| [a[0] / p[0] - 1.0, a[1] / p[1] - 1.0]),
-        peak,
-        single_mode_peak: alone,
-        stability: "not judged: the history of friction has no monodromy matrix; motions between two turning points are usually unstable"
-            .to_owned(),
-        krylov_steps: of.effort.krylov_steps,
-        failure: of.failure.as_ref().map(|f| f.reason.to_string()),
-    }
+            level: of.level,
+            level_unit: unit.to_owned(),
+            force: each(&|p| p.force),
+            energy_error: each(&|p| p.energy_error),
+            base: OutsideSummary::of(&of.points),
+            frequency: each(&|p| p.frequency_hz),
+            amplitude: each(&|p| p.harmonics[0]),
+            phase: each(&|p| p.phase.to_degrees()),
+            harmonics: of.points.iter().map(|p| p.harmonics.clone()).collect(),
+            components: of.points.iter().map(|p| p.components.clone()).collect(),
+            mean: each(&|p| p.mean),
+            residual: each(&|p| p.residual),
+            turning_points: (0..of.points.len()).filter(|i| of.points[*i].turns).collect(),
+            resonances: of.resonances.iter().map(apart).collect(),
+            at_frequencies: of.at_frequencies.iter().map(apart).collect(),
+            superharmonics: of
+                .superharmonics()
+                .into_iter()
+                .map(|(harmonic, point)| SuperharmonicSummary {
+                    harmonic,
+                    frequency_hz: point.frequency_hz,
+                    share: point.harmonics[harmonic - 1] / point.harmonics[0],
+                })
+                .collect(),
+            single_mode_error: peak.zip(alone).map(|(p, a)| [a[0] / p[0] - 1.0, a[1] / p[1] - 1.0]),
+            peak,
+            single_mode_peak: alone,
+            stability: match &floquet {
+                Some(floquet) => floquet.said(),
+                None => {
+                    "not judged: `stability` was not asked for; motions between two turning points are usually unstable"
+                        .to_owned()
+                }
+            },
+            floquet,
+            krylov_steps: of.effort.krylov_steps,
+            failure: of.failure.as_ref().map(|f| f.reason.to_string()),
+        }
     }
 }

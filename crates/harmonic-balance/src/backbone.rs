@@ -12,6 +12,7 @@ use crate::aft::Sampling;
 use crate::error::require;
 use crate::force::{DifferentiablePointwiseForce, PointwiseForce};
 use crate::harmonics::Harmonics;
+use crate::load::Load;
 use crate::solve::{
     BUDGET, Closure, Condition, Converged, Effort, Failure, NewtonSettings, Reason, parameter_rates, solve,
 };
@@ -163,7 +164,7 @@ pub fn follow<F: PointwiseForce>(
             (row, background)
         }
     };
-    let system = System::new(line, force, row, background, [0.0; 2], settings.sampling);
+    let system = System::new(line, force, Load::force(row), background, [0.0; 2], settings.sampling);
     let mut follower = Follower {
         system,
         free: matches!(kind, Kind::Free),
@@ -237,7 +238,7 @@ pub fn rates<F: DifferentiablePointwiseForce>(
         newton: NewtonSettings::default(),
     };
     let mut follower = Follower {
-        system: System::new(line, force, &none, 0.0, [0.0; 2], motion.sampling),
+        system: System::new(line, force, Load::force(&none), 0.0, [0.0; 2], motion.sampling),
         free: true,
         settings: &settings,
         found: Vec::new(),
@@ -489,7 +490,7 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
             (2, self.system.momentum(self.settings.mode), amplitude)
         } else {
             // The mode's motion at the point of the force.
-            let row = self.system.row;
+            let row = self.system.load.cosine.as_slice();
             let shape: f64 = self
                 .system
                 .line()

@@ -1,7 +1,7 @@
 //! Responses to a harmonic force against the frequency: at a given amplitude of the force, or at a given one of the response, for which the force is
 //! found.
 //!
-//! `M u'' + C u' + K u + F(u) = f + e P cos(Omega t)`. The curve is followed by its arc length, in which a relative change of the motion
+//! `M u'' + C u' + K u + F(u) = f + P (e_c cos(Omega t) + e_s sin(Omega t))`, with `P = a Omega^2` under a rotating unbalance `a`. The curve is followed by its arc length, in which a relative change of the motion
 //! (energy norm) and one of the frequency count as many steps as their largest allowed sizes, so that it goes around turning points and
 //! every resonance is resolved, however sharp. At a given amplitude `|r^T V_1| = x` of the response, the force is one more unknown; such curves do not turn
 //! back where those of a given force do.
@@ -12,8 +12,8 @@ use crate::backbone::{LARGEST_DRIFT, check_sampling};
 use crate::error::require;
 use crate::force::PointwiseForce;
 use crate::harmonics::Harmonics;
+use crate::load::Load;
 use crate::solve::{BUDGET, Closure, Condition, Converged, Effort, Failure, NewtonSettings, Reason, solve};
-use crate::stability::{self, Exponent};
 use crate::system::{Parameter, System, Unknown};
 use cqsma_solver::Linearisation;
 use std::ops::ControlFlow;
@@ -61,7 +61,7 @@ impl Default for Settings {
 /// What is held along a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Held<'a> {
-    /// The amplitude of the force (N).
+    /// The amplitude of the load.
     Force(f64),
     /// The amplitude of the first harmonic of a displacement; the force follows.
     Response {
@@ -78,7 +78,7 @@ pub enum Held<'a> {
 pub struct Point {
     /// Angular frequency of the force (rad/s).
     pub omega: f64,
-    /// Amplitude of the force (N).
+    /// Amplitude of the load: of a force (N), or of an unbalance (kg m).
     pub force: f64,
     /// Harmonics of the displacements from the static state (m).
     pub displacement: Harmonics,
@@ -104,44 +104,27 @@ pub struct Curve {
     pub effort: Effort,
 }
 
-/// A resonance: the point of the force moves a quarter period behind it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Resonance {
-    /// Index of the last point of the curve before it.
-    pub after: usize,
-    /// Angular frequency (rad/s).
-    pub omega: f64,
-    /// Amplitude of the force (N).
-    pub force: f64,
-    /// Harmonics of the displacements from the static state (m).
-    pub displacement: Harmonics,
-    /// Residual relative to the elastic forces (energy norm), evaluated anew from the stiffness.
-    pub residual: f64,
-    /// As that of a [`Point`].
-    pub energy_error: f64,
+impl Curve {
+    /// Puts a point behind the one with this index.
+    pub fn insert(&mut self, after: usize, point: Point) {
+        self.points.insert(after + 1, point);
+        mark_turns(&mut self.points);
+    }
 }
 
-/// Follows the response to a force along `row`, with what is `held`; `observe` hears of every point and may stop the run.
+/// Follows the response to a load, with what is `held`; `observe` hears of every point and may stop the run.
 ///
 /// # Errors
 /// Settings or sizes that do not fit, and [`Error::Interrupted`]. A curve that ends early says why.
 pub fn follow<F: PointwiseForce>(
     line: &Linearisation<'_, F::State>,
     law: &F,
-    row: &[f64],
+    load: &Load,
     held: Held<'_>,
     settings: &Settings,
     observe: &mut dyn FnMut(&Point) -> ControlFlow<()>,
 ) -> Result<Curve, Error> {
-    let system = system(line, law, row, held, settings)?;
-    let mut tracer = Tracer {
-        system,
-        settings,
-        held,
-        share: 1.0,
-        effort: Effort::default(),
-        before: Effort::default(),
-    };
+    let mut tracer = Tracer::new(line, law, load, held, settings)?;
     let mut points = Vec::new();
     let failure = match tracer.trace(&mut points, observe) {
         Ok(()) => None,
@@ -157,116 +140,8 @@ pub fn follow<F: PointwiseForce>(
     })
 }
 
-/// The resonances of a curve that [`follow`] found: one for each place where the phase of the force's point crosses a quarter period
-/// downwards in its displacement's cosine.
-///
-/// # Errors
-/// Sizes that do not fit, and [`Error::Interrupted`].
-pub fn resonances<F: PointwiseForce>(
-    line: &Linearisation<'_, F::State>,
-    law: &F,
-    row: &[f64],
-    held: Held<'_>,
-    curve: &Curve,
-    settings: &Settings,
-) -> Result<Vec<Result<Resonance, Failure>>, Error> {
-    let system = system(line, law, row, held, settings)?;
-    let cosine = |point: &Point| -> f64 { point.displacement.along(row)[1] };
-    let mut found = Vec::new();
-    let free = match held {
-        Held::Force(_) => &[Parameter::Square][..],
-        Held::Response { .. } => &[Parameter::Square, Parameter::Force],
-    };
-    for (index, pair) in curve.points.windows(2).enumerate() {
-        let [before, after] = [cosine(&pair[0]), cosine(&pair[1])];
-        if !(before > 0.0 && after <= 0.0) {
-            continue;
-        }
-        let weight = before / (before - after);
-        let mut v = pair[0].displacement.clone();
-        v.scale(1.0 - weight);
-        v.add(weight, &pair[1].displacement);
-        let between = |of: fn(&Point) -> f64| (1.0 - weight) * of(&pair[0]) + weight * of(&pair[1]);
-        let omega = between(|point| point.omega);
-        let mut unknown = Unknown {
-            p: v.clone(),
-            v,
-            parameters: [omega * omega, 0.0, between(|point| point.force)],
-        };
-        system.restore(&mut unknown);
-        let conditions = |unknown: &Unknown, _: &Harmonics| {
-            let [c, s] = unknown.v.pair(1);
-            let dot = |a: &[f64]| -> f64 { a.iter().zip(row).map(|(a, b)| a * b).sum() };
-            let reference = dot(s).hypot(dot(c));
-            let mut gradient = Harmonics::zeros(unknown.v.size(), unknown.v.count());
-            gradient
-                .column_mut(1)
-                .iter_mut()
-                .zip(row)
-                .for_each(|(to, r)| *to = r / reference);
-            let phase = Condition {
-                value: dot(c) / reference,
-                gradient,
-                along: vec![0.0; free.len()],
-            };
-            std::iter::once(phase)
-                .chain(amplitude(unknown, held, 1.0, free.len()))
-                .collect()
-        };
-        let closure = Closure {
-            free,
-            conditions: &conditions,
-        };
-        let solved = solve(
-            &system,
-            &mut unknown,
-            &closure,
-            &settings.newton,
-            &mut Effort::default(),
-            BUDGET[0],
-        );
-        if solved.is_err() && line.limits.stops() {
-            return Err(Error::Interrupted);
-        }
-        found.push(solved.map(|converged| Resonance {
-            after: index,
-            omega: unknown.at(Parameter::Square).sqrt(),
-            force: unknown.at(Parameter::Force),
-            residual: converged.residual.max(system.imbalance(&unknown)),
-            energy_error: system.energy_error(&unknown, &converged.evaluation),
-            displacement: unknown.v,
-        }));
-    }
-    Ok(found)
-}
-
-/// Floquet exponents at the points of a curve that [`follow`] found, each under its force; `observe` hears after every point and may stop the run.
-///
-/// # Errors
-/// Sizes that do not fit, and [`Error::Interrupted`].
-pub fn exponents<F: PointwiseForce>(
-    line: &Linearisation<'_, F::State>,
-    law: &F,
-    row: &[f64],
-    held: Held<'_>,
-    points: &[Point],
-    settings: &Settings,
-    observe: &mut dyn FnMut(usize) -> ControlFlow<()>,
-) -> Result<Vec<Result<Vec<Exponent>, Failure>>, Error> {
-    let system = system(line, law, row, held, settings)?;
-    let mut found = Vec::with_capacity(points.len());
-    for point in points {
-        let exponents = stability::exponents(&system, point);
-        if line.limits.stops() || observe(found.len() + 1).is_break() {
-            return Err(Error::Interrupted);
-        }
-        found.push(exponents);
-    }
-    Ok(found)
-}
-
 /// The condition that a response has a share of its amplitude, if it is held; there are `free` parameters beside the motion.
-fn amplitude(unknown: &Unknown, held: Held<'_>, share: f64, free: usize) -> Option<Condition> {
+pub(crate) fn amplitude(unknown: &Unknown, held: Held<'_>, share: f64, free: usize) -> Option<Condition> {
     let Held::Response { row, amplitude } = held else {
         return None;
     };
@@ -286,26 +161,15 @@ fn amplitude(unknown: &Unknown, held: Held<'_>, share: f64, free: usize) -> Opti
     })
 }
 
-/// The system that a force along `row` drives.
-fn system<'a, F: PointwiseForce>(
-    line: &'a Linearisation<'a, F::State>,
-    law: &'a F,
-    row: &'a [f64],
-    held: Held<'_>,
-    settings: &Settings,
-) -> Result<System<'a, F>, Error> {
-    check(line.shapes.nrows(), row, held, settings)?;
-    let (background, rayleigh, sampling) = (settings.background, settings.rayleigh, settings.sampling);
-    Ok(System::new(line, law, row, background, rayleigh, sampling))
-}
-
-fn check(n: usize, row: &[f64], held: Held<'_>, settings: &Settings) -> Result<(), Error> {
-    if row.len() != n {
-        return Err(Error::Size {
-            what: "the direction of the force",
-            found: row.len(),
-            expected: n,
-        });
+fn check(n: usize, load: &Load, held: Held<'_>, settings: &Settings) -> Result<(), Error> {
+    for row in [&load.cosine, &load.sine] {
+        if row.len() != n {
+            return Err(Error::Size {
+                what: "the load",
+                found: row.len(),
+                expected: n,
+            });
+        }
     }
     check_sampling(settings.sampling)?;
     let (field, level) = match held {
@@ -368,8 +232,8 @@ const EASY: usize = 3;
 /// Most times that the force is halved to reach the first point.
 const MAX_RAMP: i32 = 8;
 
-struct Tracer<'a, 's, F: PointwiseForce> {
-    system: System<'a, F>,
+pub(crate) struct Tracer<'a, 's, F: PointwiseForce> {
+    pub(crate) system: System<'a, F>,
     settings: &'s Settings,
     held: Held<'s>,
     /// Part of the amplitude held that is asked for at the moment.
@@ -381,7 +245,7 @@ struct Tracer<'a, 's, F: PointwiseForce> {
 }
 
 /// Direction of the curve at a point, of unit length.
-struct Tangent {
+pub(crate) struct Tangent {
     v: Harmonics,
     p: Harmonics,
     /// Of the logarithm of the frequency.
@@ -390,7 +254,26 @@ struct Tangent {
     force: f64,
 }
 
-impl<F: PointwiseForce> Tracer<'_, '_, F> {
+impl<'a, 's, F: PointwiseForce> Tracer<'a, 's, F> {
+    pub(crate) fn new(
+        line: &'a Linearisation<'a, F::State>,
+        law: &'a F,
+        load: &Load,
+        held: Held<'s>,
+        settings: &'s Settings,
+    ) -> Result<Self, Error> {
+        check(line.shapes.nrows(), load, held, settings)?;
+        let (background, rayleigh, sampling) = (settings.background, settings.rayleigh, settings.sampling);
+        Ok(Self {
+            system: System::new(line, law, load.clone(), background, rayleigh, sampling),
+            settings,
+            held,
+            share: 1.0,
+            effort: Effort::default(),
+            before: Effort::default(),
+        })
+    }
+
     fn trace(
         &mut self,
         points: &mut Vec<Point>,
@@ -472,7 +355,8 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
                         return Ok(());
                     }
                     report(self.point(&next, &found), points)?;
-                    mark_turns(points);
+                    let before = points.len().saturating_sub(3);
+                    mark_turns(&mut points[before..]);
                     if direction * (omega - from) < -1e-9 * from {
                         return Err(Failure {
                             reason: Reason::LeftRange,
@@ -499,7 +383,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
         .into())
     }
 
-    fn point(&self, unknown: &Unknown, found: &Converged) -> Point {
+    pub(crate) fn point(&self, unknown: &Unknown, found: &Converged) -> Point {
         Point {
             omega: unknown.at(Parameter::Square).sqrt(),
             force: unknown.at(Parameter::Force),
@@ -561,11 +445,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
             Held::Response { .. } => 1.0,
         };
         let mut load = Harmonics::zeros(self.system.size(), unknown.v.count());
-        let row = self.system.row;
-        load.column_mut(1)
-            .iter_mut()
-            .zip(row)
-            .for_each(|(to, e)| *to = force * e);
+        self.system.load.add(force, unknown.at(Parameter::Square), &mut load);
         let response = self.system.solve_stuck(&load);
         [unknown.v, unknown.p] = self.system.precondition(unknown, &load, &response);
         *unknown.at_mut(Parameter::Force) = force;
@@ -579,7 +459,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
     }
 
     /// Solves at the frequency of the guess, or on the plane across the tangent through the prediction.
-    fn correct(
+    pub(crate) fn correct(
         &mut self,
         unknown: &mut Unknown,
         predicted: Option<(&Unknown, &Tangent)>,
@@ -635,7 +515,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
     }
 
     /// Distance of two points in steps.
-    fn length(&self, from: &Unknown, to: &Unknown) -> f64 {
+    pub(crate) fn length(&self, from: &Unknown, to: &Unknown) -> f64 {
         let (mut v, mut p) = (to.v.clone(), to.p.clone());
         v.add(-1.0, &from.v);
         p.add(-1.0, &from.p);
@@ -643,7 +523,7 @@ impl<F: PointwiseForce> Tracer<'_, '_, F> {
         (self.metric(from) * v.dot(&p).max(0.0) + (log / self.settings.frequency_step).powi(2)).sqrt()
     }
 
-    fn secant(&self, from: &Unknown, to: &Unknown, length: f64) -> Tangent {
+    pub(crate) fn secant(&self, from: &Unknown, to: &Unknown, length: f64) -> Tangent {
         let (mut v, mut p) = (to.v.clone(), to.p.clone());
         v.add(-1.0, &from.v);
         p.add(-1.0, &from.p);
@@ -680,11 +560,10 @@ fn periodic(found: Converged) -> Result<Converged, Failure> {
     }
 }
 
-/// Marks the last but one point if the frequency turned there.
+/// Marks the points at which the frequency turns.
 fn mark_turns(points: &mut [Point]) {
-    let n = points.len();
-    if n >= 3 {
-        let [a, b, c] = [points[n - 3].omega, points[n - 2].omega, points[n - 1].omega];
-        points[n - 2].turns = (b - a) * (c - b) < 0.0;
+    for at in 2..points.len() {
+        let [a, b, c] = [points[at - 2].omega, points[at - 1].omega, points[at].omega];
+        points[at - 1].turns = (b - a) * (c - b) < 0.0;
     }
 }

@@ -4,6 +4,7 @@ use crate::aft::Sampling;
 use crate::backbone::Motion;
 use crate::force::PointwiseForce;
 use crate::harmonics::Harmonics;
+use crate::load::Load;
 use crate::system::{Evaluation, System, Unknown};
 use cqsma_solver::Linearisation;
 
@@ -24,7 +25,7 @@ impl<'a, F: PointwiseForce> Probe<'a, F> {
         motion: &Motion,
         sampling: Sampling,
     ) -> Self {
-        let system = System::new(line, force, row, 0.0, [0.0; 2], sampling);
+        let system = System::new(line, force, Load::force(row), 0.0, [0.0; 2], sampling);
         let v = motion.displacement.with_count(sampling.harmonics);
         let square = motion.omega * motion.omega;
         let mut unknown = Unknown {

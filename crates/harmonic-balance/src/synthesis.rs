@@ -9,6 +9,7 @@
 //! For each amplitude it is a quadratic equation for `Omega^2`: two branches that meet where the force just sustains the amplitude.
 
 use crate::backbone::Motion;
+use crate::load::Load;
 
 /// A point of the response of one mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,17 +25,17 @@ pub struct Point {
     pub phase: f64,
 }
 
-/// The displacement along `observed` under a force of amplitude `force` (N) along `row`, from frequencies below the resonance to those above; amplitudes between
+/// The displacement along `observed` under a load of amplitude `force` (N) that is no unbalance, from frequencies below the resonance to those above; amplitudes between
 /// those of `motions`, which ascend, are interpolated, with `between` intervals for each of theirs.
 pub fn response(
     motions: &[&Motion],
-    row: &[f64],
+    load: &Load,
     observed: &[f64],
     force: f64,
     background: f64,
     between: usize,
 ) -> Vec<Point> {
-    let of = |motion: &&Motion| Mode::of(motion, row, observed, background);
+    let of = |motion: &&Motion| Mode::of(motion, load, observed, background);
     let modes: Vec<Mode> = motions.iter().filter_map(of).collect();
     let mut amplitudes: Vec<Mode> = Vec::new();
     for pair in modes.windows(2) {
@@ -73,17 +74,15 @@ struct Mode {
 }
 
 impl Mode {
-    fn of(motion: &Motion, row: &[f64], observed: &[f64], background: f64) -> Option<Self> {
-        let first = |row: &[f64]| {
-            let along = motion.displacement.along(row);
-            along[1].hypot(along[2]) / motion.modal_amplitude
-        };
+    fn of(motion: &Motion, load: &Load, observed: &[f64], background: f64) -> Option<Self> {
+        let [ahead, behind] = load.along(&motion.displacement);
+        let seen = motion.displacement.along(observed);
         Some(Self {
             log_amplitude: motion.modal_amplitude.ln(),
             square: motion.omega * motion.omega,
             damping: motion.zeta? + background,
-            psi: first(row),
-            observed: first(observed),
+            psi: ahead.hypot(behind) / motion.modal_amplitude,
+            observed: seen[1].hypot(seen[2]) / motion.modal_amplitude,
         })
     }
 

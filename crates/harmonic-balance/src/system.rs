@@ -21,6 +21,7 @@
 use crate::aft::{Contact, Forces, Sampling};
 use crate::force::{DifferentiablePointwiseForce, PointwiseForce};
 use crate::harmonics::{Harmonics, add_rotated};
+use crate::load::Load;
 use cqsma_solver::Linearisation;
 use cqsma_solver::sensitivity::ParameterRate;
 use dense_algebra::{Inverse, Packed, Vector};
@@ -145,8 +146,7 @@ pub(crate) struct System<'a, F: PointwiseForce> {
     background: Vec<f64>,
     /// Factors of mass (1/s) and stiffness without contact (s) in a proportional damping.
     rayleigh: [f64; 2],
-    /// Direction of the exciting force.
-    pub(crate) row: &'a [f64],
+    pub(crate) load: Load,
     sampling: Sampling,
 }
 
@@ -175,7 +175,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
     pub(crate) fn new(
         line: &'a Linearisation<'a, F::State>,
         force: &'a F,
-        row: &'a [f64],
+        load: Load,
         background: f64,
         rayleigh: [f64; 2],
         sampling: Sampling,
@@ -204,7 +204,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
             elastic,
             averaged: None,
             rayleigh,
-            row,
+            load,
             sampling,
         }
     }
@@ -440,8 +440,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         residual.add(1.0, &unknown.p);
         self.add_inertia(&inertia, a, b, &mut residual);
         self.add_damping(&unknown.v, &unknown.p, &inertia, a.max(0.0).sqrt(), &mut residual);
-        let first = residual.column_mut(1);
-        first.iter_mut().zip(self.row).for_each(|(r, e)| *r -= excitation * e);
+        self.load.add(-excitation, a, &mut residual);
         let response = self.solve_stuck(&residual);
         Evaluation {
             residual,
@@ -505,8 +504,8 @@ impl<'a, F: PointwiseForce> System<'a, F> {
 
     /// Work of the exciting force over a period (J).
     pub(crate) fn supplied_work(&self, unknown: &Unknown) -> f64 {
-        let sine: f64 = unknown.v.column(2).iter().zip(self.row).map(|(v, e)| v * e).sum();
-        PI * unknown.at(Parameter::Force) * sine
+        let [_, behind] = self.load.along(&unknown.v);
+        PI * unknown.at(Parameter::Force) * self.load.factor(unknown.at(Parameter::Square)) * behind
     }
 
     /// What the forces of a driven motion take over a period less what its force gives, relative to the energy of the first harmonic: `4 pi` times a
@@ -543,12 +542,12 @@ impl<'a, F: PointwiseForce> System<'a, F> {
                 self.add_inertia(inertia, 1.0, 0.0, &mut out);
                 let omega = unknown.at(Parameter::Square).max(f64::MIN_POSITIVE).sqrt();
                 self.add_damping(&unknown.v, &unknown.p, inertia, 0.5 / omega, &mut out);
+                if self.load.is_unbalance {
+                    self.load.add(-unknown.at(Parameter::Force), 1.0, &mut out);
+                }
             }
             Parameter::Damping => self.add_inertia(inertia, 0.0, 1.0, &mut out),
-            Parameter::Force => {
-                let first = out.column_mut(1);
-                first.iter_mut().zip(self.row).for_each(|(to, e)| *to = -e);
-            }
+            Parameter::Force => self.load.add(-1.0, unknown.at(Parameter::Square), &mut out),
         }
         out
     }

@@ -332,6 +332,7 @@ pub fn forced(levels: &[ForcedSummary]) -> Result<String, Error> {
     );
     let held = levels.iter().any(ForcedSummary::holds_response);
     let moves = levels.iter().any(|level| level.base.is_some());
+    let is_judged = levels.iter().any(|level| level.floquet.is_some());
     let first = [
         level.as_str(),
         "number",
@@ -358,8 +359,17 @@ pub fn forced(levels: &[ForcedSummary]) -> Result<String, Error> {
             });
             let empty = (moves && base.is_none()).then(Default::default);
             let force = held.then(|| of(&level.force));
+            let floquet = level.floquet.as_ref();
+            let stability = is_judged.then(|| {
+                let stable = floquet.and_then(|found| *found.stable.get(i)?);
+                let multipliers = floquet.and_then(|found| found.multipliers.get(i));
+                let sizes = multipliers.into_iter().flatten().map(|[re, im]| re.hypot(*im));
+                let stable = stable.map_or_else(String::new, |stable| stable.to_string());
+                [optional(sizes.max_by(f64::total_cmp)), stable]
+            });
             row.chain(base.or(empty).into_iter().flatten())
                 .chain(force)
+                .chain(stability.into_iter().flatten())
                 .collect::<Vec<_>>()
         })
     });
@@ -372,7 +382,8 @@ pub fn forced(levels: &[ForcedSummary]) -> Result<String, Error> {
     ];
     let last = last
         .chain(of_base.into_iter().filter(|_| moves))
-        .chain(held.then_some("force [N]"));
+        .chain(held.then_some("force [N]"))
+        .chain(["largest_multiplier [-]", "stable"].into_iter().filter(|_| is_judged));
     table(headings.chain(last.map(str::to_owned)), rows)
 }
 

@@ -60,6 +60,15 @@ pub(crate) struct PeriodicMotions<'a> {
     pub response: &'a str,
 }
 
+/// The points of a curve that are not unstable, and those that are with their neighbours.
+fn by_stability(level: &ForcedSummary, points: Points) -> [Points; 2] {
+    let stable = level.floquet.as_ref().map_or(&[][..], |found| &found.stable);
+    let is_unstable = |i: usize| stable.get(i) == Some(&Some(false));
+    let beside = |i: usize| (i.saturating_sub(1)..i + 2).any(is_unstable);
+    let dotted = points.iter().copied().filter(|p| beside(p.0)).collect();
+    [points.into_iter().filter(|p| !is_unstable(p.0)).collect(), dotted]
+}
+
 /// A number of a free motion.
 type Value = fn(&MethodSummary) -> Option<f64>;
 
@@ -129,9 +138,15 @@ impl<'a> PeriodicMotions<'a> {
         let mut curves = Vec::new();
         for (index, level) in self.forced.iter().enumerate() {
             let points = level.frequency.iter().zip(level.ordinate());
+            let [stable, unstable] = by_stability(level, numbered(points.map(|(f, a)| (*f, *a))));
             curves.push(Curve {
                 name: named(index, n, || format!("{} {}", short(level.level), level.level_unit)),
-                points: numbered(points.map(|(f, a)| (*f, *a))),
+                points: stable,
+                ..solid(shade(index, n))
+            });
+            curves.push(Curve {
+                dashes: Some((1, 3)),
+                points: unstable,
                 ..solid(shade(index, n))
             });
         }
@@ -194,10 +209,14 @@ impl<'a> PeriodicMotions<'a> {
         }];
         for (index, level) in self.forced.iter().enumerate() {
             let points = level.frequency.iter().zip(&level.phase);
-            curves.push(Curve {
-                points: numbered(points.map(|(f, p)| (*f, lag(*p)))),
-                ..solid(shade(index, n))
-            });
+            let [stable, unstable] = by_stability(level, numbered(points.map(|(f, p)| (*f, lag(*p)))));
+            for (points, dashes) in [(stable, None), (unstable, Some((1, 3)))] {
+                curves.push(Curve {
+                    points,
+                    dashes,
+                    ..solid(shade(index, n))
+                });
+            }
         }
         for (index, points) in self.single_mode.iter().enumerate() {
             curves.push(Curve {

@@ -6,7 +6,7 @@ use crate::motions::{PeriodicMotions, harmonics_picture, loops_picture};
 use crate::names::{by_mode, of_mode};
 use crate::{Error, Output, csv, fields, plot};
 use analyses::Run;
-use analyses::forced::{ForcedSummary, ResonanceSummary};
+use analyses::forced::{ForcedSummary, PointSummary};
 use analyses::results::summary::Summary;
 use std::fmt::Write;
 
@@ -131,7 +131,7 @@ fn levels_table(levels: &[ForcedSummary]) -> Table {
         "turning points",
     ];
     let row = |level: &ForcedSummary| {
-        let found = |value: &dyn Fn(&ResonanceSummary) -> Option<String>| {
+        let found = |value: &dyn Fn(&PointSummary) -> Option<String>| {
             let texts: Vec<String> = level.resonances.iter().filter_map(value).collect();
             if texts.is_empty() {
                 MISSING.into()
@@ -165,12 +165,15 @@ fn level_heading(levels: &[ForcedSummary]) -> String {
     match (base, levels.iter().any(ForcedSummary::holds_response)) {
         (Some(level), _) => format!("supports [{}]", level.level_unit),
         (None, true) => "response [m]".into(),
-        (None, false) => "force [N]".into(),
+        (None, false) => match levels.first() {
+            Some(level) if level.is_unbalance() => format!("unbalance [{}]", level.level_unit),
+            _ => "force [N]".into(),
+        },
     }
 }
 
 /// A resonance as two cells: frequency and amplitude.
-fn cells(resonance: Option<&ResonanceSummary>) -> [String; 2] {
+fn cells(resonance: Option<&PointSummary>) -> [String; 2] {
     let [f, a] = [
         resonance.and_then(|r| r.frequency_hz),
         resonance.and_then(|r| r.amplitude),
@@ -190,6 +193,7 @@ fn line(level: &ForcedSummary) -> String {
     let by = match level.base {
         Some(_) => "supports moving with",
         None if level.holds_response() => "response held at",
+        None if level.is_unbalance() => "unbalance",
         None => "force",
     };
     let mut out = format!("{by} {} {}: ", level.level, level.level_unit);
@@ -244,6 +248,7 @@ fn files(run: &Run, motions: &PeriodicMotions<'_>) -> Result<(Vec<Output>, Vec<P
                 match motions.forced.first() {
                     Some(level) if level.base.is_some() => "harmonic motion of the supports, against them",
                     Some(level) if level.holds_response() => "a harmonic force that holds it",
+                    Some(level) if level.is_unbalance() => "a rotating unbalance",
                     _ => "a harmonic force",
                 },
                 plot::amplitude_label(motions.response)

@@ -61,8 +61,11 @@ impl Analyses {
             },
             excitation,
         };
-        let forced = self.forced.iter();
-        let forced = forced.map(|asked| named(asked.excitation(), ["analyses.forced.node", "analyses.forced.base"]));
+        let forced = self.forced.iter().flat_map(|asked| {
+            let point = asked.point_fields().node;
+            let excitations = asked.excitations().into_iter();
+            excitations.map(move |(excitation, _)| named(excitation, [point, "analyses.forced.base"]))
+        });
         let random = self.random.iter();
         let random = random.map(|asked| {
             named(

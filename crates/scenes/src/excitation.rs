@@ -138,7 +138,7 @@ fn point(force: &PointForce) -> Excitation {
 }
 
 /// Refuses directions that are no unit vectors.
-fn check_direction(check: &Check<'_>, field: &'static str, direction: [f64; 3]) -> Result<(), Error> {
+pub(super) fn check_direction(check: &Check<'_>, field: &'static str, direction: [f64; 3]) -> Result<(), Error> {
     let length = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
     let unit = (length - 1.0).abs() < 1e-6;
     check.that(unit, field, length, "(length)", "a unit vector")
@@ -177,7 +177,7 @@ fn check_base(
 }
 
 /// Refuses a node without a direction, both a node and terms, and terms that are empty or without effect.
-fn check_point(check: &Check<'_>, fields: &PointFields, force: &PointForce) -> Result<(), Error> {
+pub(super) fn check_point(check: &Check<'_>, fields: &PointFields, force: &PointForce) -> Result<(), Error> {
     let PointForce { node, direction, terms } = force;
     let given = f64::from(u8::from(node.is_some()));
     let both = node.is_some() == direction.is_some();

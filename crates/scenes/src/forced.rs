@@ -3,9 +3,10 @@
 use super::check::Check;
 use super::epmc::sampling;
 use super::excitation::{
-    BaseMotion, Excitation, ExcitationFields, PointFields, PointForce, check_excitation, excitation,
+    BaseMotion, Excitation, ExcitationFields, PointFields, PointForce, check_direction, check_excitation, check_point,
+    excitation,
 };
-use super::units::{Acceleration, Force, Length};
+use super::units::{Acceleration, Force, Length, Unbalance};
 use crate::Error;
 use serde::{Deserialize, Serialize};
 
@@ -21,13 +22,27 @@ pub struct Rayleigh {
 }
 
 /// Names of the fields of its excitation.
-pub(super) const FIELDS: ExcitationFields = ExcitationFields {
+pub(super) static FIELDS: ExcitationFields = ExcitationFields {
     base: ["analyses.forced.base.direction", "analyses.forced.base.motion"],
     point: PointFields {
         node: "analyses.forced.node",
         direction: "analyses.forced.direction",
         terms: "analyses.forced.terms",
     },
+};
+
+/// The same of each of several forces.
+static OF_SEVERAL: PointFields = PointFields {
+    node: "analyses.forced.forces.node",
+    direction: "analyses.forced.forces.direction",
+    terms: "analyses.forced.forces.terms",
+};
+
+/// The same of an unbalance.
+static OF_UNBALANCE: PointFields = PointFields {
+    node: "analyses.forced.unbalance.node",
+    direction: "analyses.forced.unbalance.directions",
+    terms: "analyses.forced.unbalance",
 };
 
 /// Harmonic motion of all supports together.
@@ -45,6 +60,53 @@ pub struct ForcedBase {
     pub levels: Vec<Acceleration>,
 }
 
+/// One of several forces of the same frequency; at the response point in its direction, unless `node` and `direction` or `terms` say otherwise.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct PhasedForce {
+    /// Node that the force acts on: in a deck a label or a set of one node, in matrices a label. Not for benchmarks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub node: Option<String>,
+    /// Direction of the force at the node, a unit vector.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
+    /// In matrices: factors of the coordinates that the force acts on, in the place of a node: label, component, factor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub terms: Option<Vec<(i64, u32, f64)>>,
+    /// Its amplitude over the level.
+    pub factor: f64,
+    /// By how much it is ahead (degrees).
+    #[serde(default)]
+    pub phase_deg: f64,
+}
+
+/// A mass that turns about an axis with the frequency of the motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct RotatingUnbalance {
+    /// Node on the axis: in a deck a label or a set of one node, in matrices a label.
+    pub node: String,
+    /// Directions of the force at the begin of a period and a quarter period later, unit vectors at right angles.
+    pub directions: [[f64; 3]; 2],
+    /// Masses times their distances from the axis (unbalance; texts: `kg m`, `g mm`).
+    pub levels: Vec<Unbalance>,
+}
+
+/// What is held from point to point of a response.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Held {
+    /// The amplitude of a force.
+    Force,
+    /// That of the acceleration of the supports.
+    Acceleration,
+    /// The unbalance.
+    Unbalance,
+    /// The amplitude of the response.
+    Response,
+}
+
 /// Responses to a harmonic force, or to harmonic motion of the supports. A force acts at the response point in its direction, unless `node` and `direction` or `terms` say otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -59,6 +121,12 @@ pub struct Forced {
     /// In matrices: factors of the coordinates that the force acts on, in the place of a node: label, component, factor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub terms: Option<Vec<(i64, u32, f64)>>,
+    /// Several forces of the same frequency, in the place of one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub forces: Vec<PhasedForce>,
+    /// A rotating unbalance, in the place of a force.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unbalance: Option<RotatingUnbalance>,
     /// Proportional damping beside `background_damping`: factors of the mass (1/s) and of the stiffness without contact (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rayleigh: Option<Rayleigh>,
@@ -72,9 +140,17 @@ pub struct Forced {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub response_levels: Vec<Length>,
     /// First frequency (Hz).
-    pub from_hz: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from_hz: Option<f64>,
     /// Last frequency (Hz); above or below the first.
-    pub to_hz: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to_hz: Option<f64>,
+    /// In their place, frequencies (Hz), ascending or descending, at which the responses are wanted; the curve goes from the first to the last.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub frequencies_hz: Vec<f64>,
+    /// Whether the stability of the motions is judged, by Floquet multipliers.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub stability: bool,
     /// Highest harmonic, 1 to 100.
     #[serde(default = "three")]
     pub harmonics: usize,
@@ -92,6 +168,28 @@ pub struct Forced {
     pub frequency_step: f64,
 }
 
+impl Held {
+    /// Unit of its levels.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Held::Force => Force::SI_SYMBOL,
+            Held::Acceleration => Acceleration::SI_SYMBOL,
+            Held::Unbalance => Unbalance::SI_SYMBOL,
+            Held::Response => Length::SI_SYMBOL,
+        }
+    }
+}
+
+impl PhasedForce {
+    fn point(&self) -> PointForce {
+        PointForce {
+            node: self.node.clone(),
+            direction: self.direction,
+            terms: self.terms.clone(),
+        }
+    }
+}
+
 impl Forced {
     /// These levels between these frequencies (Hz), with defaults for all else.
     pub fn new(levels: Vec<Force>, from_hz: f64, to_hz: f64) -> Self {
@@ -99,12 +197,16 @@ impl Forced {
             node: None,
             direction: None,
             terms: None,
+            forces: Vec::new(),
+            unbalance: None,
             rayleigh: None,
             base: None,
             levels,
             response_levels: Vec::new(),
-            from_hz,
-            to_hz,
+            from_hz: Some(from_hz),
+            to_hz: Some(to_hz),
+            frequencies_hz: Vec::new(),
+            stability: false,
             harmonics: three(),
             samples: samples(),
             tolerance: tolerance(),
@@ -149,33 +251,153 @@ impl Forced {
         (base, force)
     }
 
-    /// What drives the structure.
-    pub fn excitation(&self) -> Excitation {
-        let (base, force) = self.parts();
-        excitation(base.as_ref(), Some(&force))
+    /// What drives the structure, each with its part at the begin of a period and that a quarter period later, per unit of the level.
+    pub fn excitations(&self) -> Vec<(Excitation, [f64; 2])> {
+        if let Some(unbalance) = &self.unbalance {
+            let at = |direction| Excitation::Node {
+                node: unbalance.node.clone(),
+                direction,
+            };
+            let [first, second] = unbalance.directions.map(at);
+            return vec![(first, [1.0, 0.0]), (second, [0.0, 1.0])];
+        }
+        if self.forces.is_empty() {
+            let (base, force) = self.parts();
+            return vec![(excitation(base.as_ref(), Some(&force)), [1.0, 0.0])];
+        }
+        let of = |force: &PhasedForce| {
+            let (sine, cosine) = force.phase_deg.to_radians().sin_cos();
+            let parts = [force.factor * cosine, -force.factor * sine];
+            (excitation(None, Some(&force.point())), parts)
+        };
+        self.forces.iter().map(of).collect()
     }
 
-    /// Whether the amplitude of the response is held, and not that of the force.
-    pub fn holds_response(&self) -> bool {
-        !self.response_levels.is_empty()
+    /// Names of the fields that say where forces act.
+    pub(super) fn point_fields(&self) -> &'static PointFields {
+        match (&self.unbalance, self.forces.is_empty()) {
+            (Some(_), _) => &OF_UNBALANCE,
+            (None, false) => &OF_SEVERAL,
+            (None, true) => &FIELDS.point,
+        }
     }
 
-    /// Amplitudes of the force (N), of the acceleration of the supports (m/s^2), or of the response (m).
+    /// What is held.
+    pub fn held(&self) -> Held {
+        if self.base.is_some() {
+            Held::Acceleration
+        } else if self.unbalance.is_some() {
+            Held::Unbalance
+        } else if !self.response_levels.is_empty() {
+            Held::Response
+        } else {
+            Held::Force
+        }
+    }
+
+    /// Amplitudes of what is held, in SI.
     pub fn levels(&self) -> Vec<f64> {
-        match &self.base {
-            Some(base) => base.levels.iter().map(|level| level.si()).collect(),
-            None if self.holds_response() => self.response_levels.iter().map(|level| level.si()).collect(),
-            None => self.levels.iter().map(|level| level.si()).collect(),
+        match (&self.base, &self.unbalance) {
+            (Some(base), _) => base.levels.iter().map(|level| level.si()).collect(),
+            (None, Some(unbalance)) => unbalance.levels.iter().map(|level| level.si()).collect(),
+            (None, None) if !self.response_levels.is_empty() => {
+                self.response_levels.iter().map(|level| level.si()).collect()
+            }
+            (None, None) => self.levels.iter().map(|level| level.si()).collect(),
         }
     }
 
-    /// Unit of the levels.
-    pub fn unit(&self) -> &'static str {
-        match self.base {
-            Some(_) => Acceleration::SI_SYMBOL,
-            None if self.holds_response() => Length::SI_SYMBOL,
-            None => Force::SI_SYMBOL,
+    /// First and last frequency (Hz).
+    pub fn range_hz(&self) -> [f64; 2] {
+        match (self.frequencies_hz.first(), self.frequencies_hz.last()) {
+            (Some(first), Some(last)) => [*first, *last],
+            _ => [self.from_hz.unwrap_or(f64::NAN), self.to_hz.unwrap_or(f64::NAN)],
         }
+    }
+
+    /// Refuses more than one load.
+    fn check_loads(&self, check: &Check<'_>) -> Result<(), Error> {
+        let (base, force) = self.parts();
+        let is_single = force != PointForce::default();
+        let has_levels = !self.levels.is_empty() || !self.response_levels.is_empty();
+        for (field, is_there, allows_levels) in [
+            ("analyses.forced.base", base.is_some(), false),
+            ("analyses.forced.unbalance", self.unbalance.is_some(), false),
+            ("analyses.forced.forces", !self.forces.is_empty(), true),
+        ] {
+            let others = [
+                base.is_some(),
+                self.unbalance.is_some(),
+                !self.forces.is_empty(),
+                is_single,
+            ];
+            let alone = others.into_iter().filter(|given| *given).count() == 1;
+            check.that(
+                !is_there || (alone && (allows_levels || !has_levels)),
+                field,
+                1.0,
+                "(given)",
+                "given without another load; base and unbalance have levels of their own",
+            )?;
+        }
+        for force in &self.forces {
+            check_point(check, &OF_SEVERAL, &force.point())?;
+            let finite = force.factor.is_finite() && force.factor != 0.0;
+            let factor = "analyses.forced.forces.factor";
+            check.that(finite, factor, force.factor, "", "finite and not zero")?;
+            let phase = "analyses.forced.forces.phase_deg";
+            check.that(force.phase_deg.is_finite(), phase, force.phase_deg, "degrees", "finite")?;
+        }
+        let Some(unbalance) = &self.unbalance else {
+            return Ok(());
+        };
+        let field = "analyses.forced.unbalance.directions";
+        let [first, second] = unbalance.directions;
+        for direction in [first, second] {
+            check_direction(check, field, direction)?;
+        }
+        let cosine: f64 = first.iter().zip(second).map(|(a, b)| a * b).sum();
+        check.that(
+            cosine.abs() < 1e-6,
+            field,
+            cosine,
+            "(cosine of their angle)",
+            "at right angles",
+        )
+    }
+
+    /// Refuses frequencies that are none, or not in order.
+    fn check_frequencies(&self, check: &Check<'_>) -> Result<(), Error> {
+        let listed = !self.frequencies_hz.is_empty();
+        let given = [self.from_hz, self.to_hz].into_iter().flatten().count();
+        check.that(
+            given == if listed { 0 } else { 2 },
+            "analyses.forced.from_hz",
+            given as f64,
+            "(of from_hz and to_hz given)",
+            "given together with analyses.forced.to_hz, or both left out where analyses.forced.frequencies_hz are given",
+        )?;
+        for frequency in &self.frequencies_hz {
+            check.positive("analyses.forced.frequencies_hz", *frequency, "Hz")?;
+        }
+        let ordered = |before: fn(&f64, &f64) -> bool| self.frequencies_hz.is_sorted_by(before);
+        check.that(
+            !listed || (self.frequencies_hz.len() > 1 && (ordered(|a, b| a < b) || ordered(|a, b| a > b))),
+            "analyses.forced.frequencies_hz",
+            self.frequencies_hz.len() as f64,
+            "(frequencies)",
+            "at least two, ascending or descending, each once",
+        )?;
+        let [from, to] = self.range_hz();
+        check.positive("analyses.forced.from_hz", from, "Hz")?;
+        check.positive("analyses.forced.to_hz", to, "Hz")?;
+        check.that(
+            from != to,
+            "analyses.forced.to_hz",
+            to,
+            "Hz",
+            "another frequency than analyses.forced.from_hz",
+        )
     }
 
     /// Refuses values outside their ranges.
@@ -188,22 +410,13 @@ impl Forced {
         )?;
         let (base, force) = self.parts();
         check_excitation(check, &FIELDS, base.as_ref(), Some(&force), is_matrices)?;
-        if base.is_some() {
-            let alone = self.levels.is_empty() && !self.holds_response() && force == PointForce::default();
-            check.that(
-                alone,
-                "analyses.forced.base",
-                1.0,
-                "(given)",
-                "given without node, direction, terms and levels of a force or a response; its own levels are accelerations",
-            )?;
-        }
+        self.check_loads(check)?;
         if let Some(rayleigh) = self.rayleigh {
             check.not_negative("analyses.forced.rayleigh.mass", rayleigh.mass, "1/s")?;
             check.not_negative("analyses.forced.rayleigh.stiffness", rayleigh.stiffness, "s")?;
         }
         check.that(
-            self.levels.is_empty() || !self.holds_response(),
+            self.levels.is_empty() || self.response_levels.is_empty(),
             "analyses.forced.response_levels",
             self.response_levels.len() as f64,
             "(levels)",
@@ -218,17 +431,9 @@ impl Forced {
             "at least one",
         )?;
         for level in levels {
-            check.positive("analyses.forced.levels", level, self.unit())?;
+            check.positive("analyses.forced.levels", level, self.held().unit())?;
         }
-        check.positive("analyses.forced.from_hz", self.from_hz, "Hz")?;
-        check.positive("analyses.forced.to_hz", self.to_hz, "Hz")?;
-        check.that(
-            self.from_hz != self.to_hz,
-            "analyses.forced.to_hz",
-            self.to_hz,
-            "Hz",
-            "another frequency than analyses.forced.from_hz",
-        )?;
+        self.check_frequencies(check)?;
         for (field, step) in [
             ("analyses.forced.amplitude_step", self.amplitude_step),
             ("analyses.forced.frequency_step", self.frequency_step),

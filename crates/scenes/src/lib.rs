@@ -51,7 +51,7 @@ pub use epmc::{AmplitudeRange, Amplitudes, Epmc, SamplingAccuracy};
 pub use error::{Error, behind_semicolon, quantity};
 pub use excitation::{BaseMotion, Driver, Excitation, PointForce};
 pub use finish::{Finish, FinishFace, Lengths, PowerLaw, Route};
-pub use forced::{Forced, ForcedBase, Rayleigh};
+pub use forced::{Forced, ForcedBase, Held, PhasedForce, Rayleigh, RotatingUnbalance};
 pub use interfaces::{Interfaces, OwnInterface};
 pub use json::{parse as parse_json, read as read_json, without_comments};
 pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
@@ -81,7 +81,7 @@ pub use uncertain::{
 };
 pub use units::{
     Acceleration, AccelerationDensity, Area, ArealDensity, ContactStiffness, Density, Dimension, Force, ForceDensity,
-    Length, Mass, ModalAmplitude, Quantity, Stress, SurfaceEnergy, Torque, Unit, Units, dimension,
+    Length, Mass, ModalAmplitude, Quantity, Stress, SurfaceEnergy, Torque, Unbalance, Unit, Units, dimension,
 };
 pub use upgrade::upgraded;
 

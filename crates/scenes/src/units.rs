@@ -125,6 +125,13 @@ const ACCELERATION_DENSITIES: [Unit; 3] = [
 ];
 const FORCE_DENSITIES: [Unit; 2] = [unit("N^2/Hz", 1.0), unit("lbf^2/Hz", POUND_FORCE * POUND_FORCE)];
 const MODAL_AMPLITUDES: [Unit; 2] = [unit("sqrt(kg) m", 1.0), unit("sqrt(t) mm", 0.031_622_776_601_683_79)];
+const UNBALANCES: [Unit; 5] = [
+    unit("kg m", 1.0),
+    unit("kg mm", 1e-3),
+    unit("g mm", 1e-6),
+    unit("g cm", 1e-5),
+    unit("lb in", POUND * INCH),
+];
 const SURFACE_ENERGIES: [Unit; 3] = [unit("J/m^2", 1.0), unit("mJ/m^2", 1e-3), unit("N/m", 1.0)];
 
 /// What a quantity measures.
@@ -189,6 +196,8 @@ dimensions! {
     AccelerationDensity, OfAccelerationDensity, "spectral density of acceleration", [2, 0, -3], ACCELERATION_DENSITIES;
     /// Power spectral density of a force (N^2/Hz).
     ForceDensity, OfForceDensity, "spectral density of force", [2, 2, -3], FORCE_DENSITIES;
+    /// Unbalance: a mass times its distance from the axis that it turns about (kg m).
+    Unbalance, OfUnbalance, "unbalance", [1, 1, 0], UNBALANCES;
     /// Amplitude of a mass-normalised mode (sqrt(kg) m).
     ModalAmplitude, OfModalAmplitude, "modal amplitude", [1, 0, 0], MODAL_AMPLITUDES, ROOT_OF_MASS = true;
 }

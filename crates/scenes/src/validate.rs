@@ -3,7 +3,6 @@
 use crate::check::{Check, is_positive};
 use crate::error::Error;
 use crate::excitation::check_structure;
-use crate::forced;
 use crate::law::{Bins, RadialRule};
 use crate::material::Material;
 use crate::mesh::MeshFile;
@@ -416,7 +415,9 @@ impl Scene {
         ];
         if let Some(asked) = &self.analyses.forced {
             asked.validate(check, source[1])?;
-            check_structure(check, &forced::FIELDS.point, &asked.excitation(), source)?;
+            for (excitation, _) in asked.excitations() {
+                check_structure(check, asked.point_fields(), &excitation, source)?;
+            }
         }
         if let Some(asked) = &self.analyses.random {
             asked.validate(check, self.analyses.backbone.amplitudes, source[1])?;

@@ -26,7 +26,7 @@ use joint_model::benchmark::Symmetry;
 use joint_model::quadratic::RaisedElements;
 use joints::interface::{LawReport, PartReport};
 use joints::structure::Overview;
-use scenes::{BoltBehaviour, EPMC, Forced, PRESETS, Preset, Scene, Shock, StructureSource, TorqueReport};
+use scenes::{BoltBehaviour, EPMC, PRESETS, Preset, Scene, Shock, StructureSource, TorqueReport};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
@@ -460,7 +460,16 @@ impl Summary {
                 .forced
                 .iter()
                 .flatten()
-                .map(|level| ForcedSummary::of(level, run.scene.analyses.forced.as_ref().map_or("N", Forced::unit)))
+                .map(|level| {
+                    ForcedSummary::of(
+                        level,
+                        run.scene
+                            .analyses
+                            .forced
+                            .as_ref()
+                            .map_or("N", |asked| asked.held().unit()),
+                    )
+                })
                 .collect(),
             random: random(run),
             random_failure: run

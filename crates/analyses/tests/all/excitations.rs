@@ -50,9 +50,20 @@ fn a_mass_on_one_contact_moves_on_its_base_as_the_closed_form_says() {
     let base = json!({ "motion": [[7, 1, 1.0]], "levels": [level] });
     given["analyses"] = json!({
         "modes": { "number": 1 },
-        "forced": { "base": base, "from_hz": 0.5 * first, "to_hz": 1.5 * first, "tolerance": 1e-12 },
+        "forced": { "base": base, "from_hz": 0.5 * first, "to_hz": 1.5 * first, "tolerance": 1e-12, "stability": true },
     });
     let found = summary(&try_run(&given).unwrap()).forced.remove(0);
+    // Multipliers of a linear oscillator: exp((-zeta w +- i w sqrt(1 - zeta^2)) T).
+    let floquet = found.floquet.as_ref().unwrap();
+    assert!(floquet.stable.iter().all(|stable| *stable == Some(true)) && floquet.bifurcations.is_empty());
+    for (f, multipliers) in found.frequency.iter().zip(&floquet.multipliers) {
+        let (growth, turn) = (zeta * omega / f, omega * (1.0 - zeta * zeta).sqrt() / f);
+        let [[re, im]] = multipliers.as_slice() else {
+            panic!("{multipliers:?}");
+        };
+        let error = (re - (-growth).exp() * turn.cos()).hypot(im.abs() - (-growth).exp() * turn.sin().abs());
+        assert!(error < 1e-8, "{f} Hz: {error:e}");
+    }
     assert_eq!((found.failure.as_deref(), found.level_unit.as_str()), (None, "m/s^2"));
     let outside = found.base.unwrap();
     assert!(found.frequency.len() > 20);
@@ -240,6 +251,46 @@ fn bases_and_spectra_that_cannot_be_are_refused_with_their_field() {
             json!({ "forced": { "base": { "direction": [0.0, 0.0, 1.0], "levels": [] }, "from_hz": 1.0, "to_hz": 2.0 } }),
             "at least one",
         ),
+        (
+            json!({ "forced": {
+                "base": { "direction": [0.0, 0.0, 1.0], "motion": [[1, 1, 1.0]], "levels": [1.0] }, "from_hz": 1.0, "to_hz": 2.0,
+            } }),
+            "exactly one of direction and motion",
+        ),
+        (
+            json!({ "forced": { "levels": [1.0], "frequencies_hz": [1.0, 3.0, 2.0] } }),
+            "ascending or descending",
+        ),
+        (
+            json!({ "forced": { "levels": [1.0], "from_hz": 1.0, "frequencies_hz": [1.0, 3.0] } }),
+            "both left out",
+        ),
+        (
+            json!({ "forced": { "levels": [1.0], "from_hz": 1.0 } }),
+            "analyses.forced.from_hz",
+        ),
+        (
+            json!({ "forced": {
+                "forces": [{ "factor": 1.0 }], "base": { "direction": [0.0, 0.0, 1.0], "levels": [1.0] }, "from_hz": 1.0, "to_hz": 2.0,
+            } }),
+            "without another load",
+        ),
+        (
+            json!({ "forced": { "forces": [{ "factor": 0.0 }], "levels": [1.0], "from_hz": 1.0, "to_hz": 2.0 } }),
+            "analyses.forced.forces.factor",
+        ),
+        (
+            json!({ "forced": {
+                "unbalance": { "node": "1", "directions": [[1.0, 0.0, 0.0], [0.8, 0.6, 0.0]], "levels": ["1 g mm"] }, "from_hz": 1.0, "to_hz": 2.0,
+            } }),
+            "at right angles",
+        ),
+        (
+            json!({ "forced": {
+                "unbalance": { "node": "1", "directions": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "levels": ["1 g"] }, "from_hz": 1.0, "to_hz": 2.0,
+            } }),
+            "kg m",
+        ),
     ] {
         let found = refusal(analyses);
         assert!(found.contains(told), "{found}");
@@ -258,6 +309,91 @@ fn bases_and_spectra_that_cannot_be_are_refused_with_their_field() {
         found.contains("analyses.forced.base") && found.contains("6 rigid motions"),
         "{found}"
     );
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn forces_with_phases_and_an_unbalance_are_those_of_one_force_where_they_must() {
+    let folder = folder("several");
+    let path = folder.join("oscillator.npz");
+    let found = |mu: f64, forced: Value| {
+        let mut asked = json!({ "harmonics": 3, "tolerance": 1e-11, "from_hz": 15.0, "to_hz": 30.0, "levels": [6.0] });
+        let fields = asked.as_object_mut().unwrap();
+        for (name, value) in forced.as_object().unwrap() {
+            match value {
+                Value::Null => fields.remove(name),
+                value => fields.insert(name.clone(), value.clone()),
+            };
+        }
+        let run = try_run(&oscillator(&path, mu, json!({ "forced": asked }))).unwrap();
+        let level = summary(&run).forced.remove(0);
+        assert_eq!(level.failure, None);
+        level
+    };
+    let at = json!([16.0, 19.0, 20.0, 21.0, 22.0, 24.0, 29.0]);
+    let listed = |load: Value| {
+        let mut asked = json!({ "from_hz": null, "to_hz": null, "frequencies_hz": at });
+        asked.as_object_mut().unwrap().extend(load.as_object().unwrap().clone());
+        found(0.2, asked)
+    };
+    let one = listed(json!({ "terms": [[7, 1, 1.0], [-1, 1, -2.0]] }));
+    // The same force 45 degrees later, which are 16 samples, in two parts.
+    let parts = json!([
+        { "terms": [[7, 1, 1.0]], "factor": 1.0, "phase_deg": -45.0 },
+        { "terms": [[-1, 1, 1.0]], "factor": 2.0, "phase_deg": 135.0 },
+    ]);
+    let two = listed(json!({ "forces": parts }));
+    assert!(two.energy_error.iter().all(|error| *error < 1e-9));
+    assert_eq!([one.at_frequencies.len(), two.at_frequencies.len()], [7; 2]);
+    let lag = |a: f64, b: f64| (a - b + 180.0).rem_euclid(360.0) - 180.0;
+    for (one, two) in one.at_frequencies.iter().zip(&two.at_frequencies) {
+        assert_eq!(one.frequency_hz, two.frequency_hz);
+        assert!((one.amplitude.unwrap() / two.amplitude.unwrap() - 1.0).abs() < 1e-8);
+        assert!((lag(two.phase.unwrap(), one.phase.unwrap()) - 45.0).abs() < 1e-6);
+    }
+    let [a, b] = [&one, &two].map(|level| level.resonances[0].frequency_hz.unwrap());
+    assert!((a / b - 1.0).abs() < 1e-8);
+
+    // Without slip everything is linear: the unbalance a is a force a w^2.
+    let at = [16.0, 18.5, 21.0, 29.0];
+    let listed =
+        json!({ "from_hz": null, "to_hz": null, "frequencies_hz": at, "terms": [[-1, 1, 1.0]], "levels": [1.0] });
+    let by_force = found(10.0, listed);
+    assert_eq!(by_force.at_frequencies.len(), 4);
+    let turning = json!({
+        "from_hz": null, "to_hz": null, "frequencies_hz": at, "levels": null,
+        "unbalance": { "node": "-1", "directions": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "levels": ["20 g mm"] },
+    });
+    // Its second component needs a coordinate of the node: the mass moves across on a spring of its own.
+    let with_across = |forced: Value| {
+        let scene = oscillator(&path, 10.0, json!({ "forced": forced }));
+        let (ground, spring, masses) = (4e4, 6e4, [1.0, 2.0, 2.0]);
+        let stiffness = Mat::from_fn(3, 3, |i, j| match (i, j) {
+            (0, 0) => ground + spring,
+            (1, 1) => spring,
+            (2, 2) => 3e7,
+            (2, _) | (_, 2) => 0.0,
+            _ => -spring,
+        });
+        let mass = Mat::from_fn(3, 3, |i, j| if i == j { masses[i] } else { 0.0 });
+        write(&path, &stiffness, &mass, &[(7, 1), (-1, 1), (-1, 2)]);
+        summary(&try_run(&scene).unwrap()).forced.remove(0)
+    };
+    let mut asked = turning;
+    asked.as_object_mut().unwrap().retain(|_, value| !value.is_null());
+    asked["tolerance"] = json!(1e-11);
+    let by_mass = with_across(asked);
+    assert_eq!(
+        (by_mass.failure.as_deref(), by_mass.level_unit.as_str()),
+        (None, "kg m")
+    );
+    for (force, mass) in by_force.at_frequencies.iter().zip(&by_mass.at_frequencies) {
+        let w = TAU * force.frequency_hz.unwrap();
+        assert_eq!(force.frequency_hz, mass.frequency_hz);
+        let ratio = mass.amplitude.unwrap() / (2e-5 * w * w * force.amplitude.unwrap());
+        assert!((ratio - 1.0).abs() < 1e-8, "{ratio}");
+        assert!(lag(force.phase.unwrap(), mass.phase.unwrap()).abs() < 1e-5);
+    }
     std::fs::remove_dir_all(folder).unwrap();
 }
 

@@ -6,7 +6,7 @@ use analyses::{Prepared, Run, prepare, run};
 use cqsma_solver::transient::{self, Start};
 use cqsma_solver::{Linearisation, NewtonSettings, modes, prestress};
 use harmonic_balance::backbone::Motion;
-use harmonic_balance::{Harmonics, Sampling, forced};
+use harmonic_balance::{Harmonics, Load, Sampling, forced};
 use joint_model::benchmark::RefinementLevel;
 use joints::Options;
 use joints::interface::InterfaceForce;
@@ -91,9 +91,14 @@ fn differences_in_time(periods: usize) -> Vec<f64> {
             background,
             ..forced::Settings::default()
         };
-        let curve = forced::follow(&line, &force, &row, forced::Held::Force(level), &settings, &mut |_| {
-            ControlFlow::Continue(())
-        })
+        let curve = forced::follow(
+            &line,
+            &force,
+            &Load::force(&row),
+            forced::Held::Force(level),
+            &settings,
+            &mut |_| ControlFlow::Continue(()),
+        )
         .unwrap();
         let point = &curve.points[0];
         let omega = point.omega * transient::algorithmic_error(radius, steps as f64).frequency_ratio;

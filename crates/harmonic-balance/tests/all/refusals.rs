@@ -3,7 +3,7 @@
 use crate::common::{Element, Elements, chain, linearised};
 use harmonic_balance::backbone::{self, Accuracy, Kind};
 use harmonic_balance::forced::{self, Held, follow};
-use harmonic_balance::{Error, NewtonSettings, Reason, Sampling};
+use harmonic_balance::{Error, Load, NewtonSettings, Reason, Sampling};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -127,24 +127,39 @@ fn inadmissible_settings_of_forced_responses_are_named() {
             },
         ),
     ] {
-        let found = follow(&line, &force, &[1.0, 0.0], Held::Force(level), &settings, &mut |_| {
-            ControlFlow::Continue(())
-        });
+        let found = follow(
+            &line,
+            &force,
+            &Load::force(&[1.0, 0.0]),
+            Held::Force(level),
+            &settings,
+            &mut |_| ControlFlow::Continue(()),
+        );
         let error = found.expect_err("refused");
         assert!(
             matches!(error, Error::Setting { field, .. } if field == name),
             "{name}: {error}"
         );
     }
-    let found = follow(&line, &force, &[1.0], Held::Force(1.0), &good, &mut |_| {
-        ControlFlow::Continue(())
-    });
+    let found = follow(
+        &line,
+        &force,
+        &Load::force(&[1.0]),
+        Held::Force(1.0),
+        &good,
+        &mut |_| ControlFlow::Continue(()),
+    );
     assert!(matches!(found, Err(Error::Size { .. })));
     // A curve that may have one point alone says that it ends early.
     let few = forced::Settings { max_points: 3, ..good };
-    let found = follow(&line, &force, &[1.0, 0.0], Held::Force(1.0), &few, &mut |_| {
-        ControlFlow::Continue(())
-    })
+    let found = follow(
+        &line,
+        &force,
+        &Load::force(&[1.0, 0.0]),
+        Held::Force(1.0),
+        &few,
+        &mut |_| ControlFlow::Continue(()),
+    )
     .expect("a curve");
     assert_eq!(found.points.len(), 3);
     assert_eq!(found.failure.expect("it ends early").reason, Reason::IterationLimit);
@@ -227,9 +242,14 @@ fn periodic_motions_end_where_their_line_is_told_to() {
         range: [50.0, 60.0],
         ..forced::Settings::default()
     };
-    let curve = follow(&line, &force, &[1.0, 0.0], Held::Force(1.0), &settings, &mut |_| {
-        ControlFlow::Continue(())
-    });
+    let curve = follow(
+        &line,
+        &force,
+        &Load::force(&[1.0, 0.0]),
+        Held::Force(1.0),
+        &settings,
+        &mut |_| ControlFlow::Continue(()),
+    );
     assert!(matches!(curve, Err(Error::Interrupted)));
 }
 

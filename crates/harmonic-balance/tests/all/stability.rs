@@ -3,7 +3,9 @@
 use crate::common::{Element, Elements, chain, linearised};
 use crate::forced_responses::{go, settings};
 use faer::Mat;
-use harmonic_balance::forced::{self, Held, Point, Settings, follow};
+use harmonic_balance::Load;
+use harmonic_balance::forced::{Held, Point, Settings, follow};
+use harmonic_balance::points::Finder;
 use harmonic_balance::stability::{Bifurcation, Exponent, bifurcation, is_stable};
 use std::f64::consts::TAU;
 
@@ -17,9 +19,11 @@ fn judged(
 ) -> Vec<(Point, Vec<Exponent>)> {
     let line = linearised(stiffness, mass, law, stiffness.nrows());
     let held = Held::Force(force);
-    let curve = follow(&line, law, row, held, settings, &mut go).expect("sizes fit");
+    let load = Load::force(row);
+    let curve = follow(&line, law, &load, held, settings, &mut go).expect("sizes fit");
     assert!(curve.failure.is_none(), "{:?}", curve.failure);
-    let found = forced::exponents(&line, law, row, held, &curve.points, settings, &mut |_| go(&())).expect("sizes fit");
+    let finder = Finder::try_new(&line, law, &load, held, settings).expect("sizes fit");
+    let found = finder.exponents(&curve, &mut |_| go(&())).expect("not interrupted");
     let found = found.into_iter().map(|point| point.expect("the exponents are found"));
     curve.points.into_iter().zip(found).collect()
 }
