@@ -434,7 +434,7 @@ impl<'a> TransposedSolves<'a> {
             pattern.add_transposed_product(difference, &rest.v, &mut image.p);
             stuck.solve_into(&image.p, &mut image.v);
             image.add(1.0, rest);
-            (rest.clone(), image)
+            Some((rest.clone(), image))
         };
         let rest = stuck.response(right);
         self.residuals.solve(rest, Motion::zero(right.len()), tolerance, search)

@@ -19,56 +19,93 @@ pub trait Inner: Vector {
     }
 }
 
-/// Conjugate residuals (GCR) that keep what they searched: what served one right-hand side serves the next ones too.
+/// Minimal residuals with all that was searched kept: what served one right-hand side serves the next ones too.
 #[derive(Clone, Debug)]
 pub struct ConjugateResiduals<S, R> {
-    /// Steps and their images under the operator; the images are orthonormal.
-    searched: Vec<(S, R)>,
+    /// Steps as they were searched.
+    steps: Vec<S>,
+    /// Their images under the operator, made orthonormal one after the other.
+    images: Vec<R>,
+    /// What each image was of those up to its own.
+    mixtures: Vec<Vec<f64>>,
     most: usize,
 }
+
+/// An image whose part outside of those before is shorter than this, relative to it, is made orthogonal once more: round-off is left in it.
+const LOST: f64 = 0.5;
 
 impl<S: Vector, R: Inner> ConjugateResiduals<S, R> {
     /// Keeps at most `most` directions.
     pub fn new(most: usize) -> Self {
         Self {
-            searched: Vec::new(),
+            steps: Vec::new(),
+            images: Vec::new(),
+            mixtures: Vec::new(),
             most,
         }
     }
 
-    /// Adds to `found`, which is zero, the step whose image is `rest`. `search` gives the next step for what is left, and its image. `None` if
-    /// `tolerance` (relative) is not reached.
-    pub fn solve(&mut self, mut rest: R, mut found: S, tolerance: f64, search: impl Fn(&R) -> (S, R)) -> Option<S> {
-        let take = |(step, image): &(S, R), rest: &mut R, found: &mut S| {
+    /// How many directions were searched.
+    pub fn searched(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// Adds to `found`, which is zero, the step whose image is `rest`. `search` gives the next step for what is left, and its image, or nothing more. `None`
+    /// if `tolerance` (relative) is not reached.
+    pub fn solve(
+        &mut self,
+        mut rest: R,
+        mut found: S,
+        tolerance: f64,
+        search: impl Fn(&R) -> Option<(S, R)>,
+    ) -> Option<S> {
+        let norm = rest.norm();
+        let mut along = Vec::with_capacity(self.images.len());
+        let take = |image: &R, rest: &mut R| {
             let c = rest.dot(image);
             rest.add(-c, image);
-            found.add(c, step);
+            c
         };
-        let norm = rest.norm();
-        for pair in &self.searched {
-            take(pair, &mut rest, &mut found);
+        for image in &self.images {
+            along.push(take(image, &mut rest));
         }
         while rest.norm() > tolerance * norm {
-            if self.searched.len() >= self.most {
+            if self.steps.len() >= self.most {
                 return None;
             }
-            let (mut step, mut image) = search(&rest);
+            let (step, mut image) = search(&rest)?;
             let before = image.norm();
-            // Twice, as the first pass leaves what rounding leaves.
-            for (known, image_of_known) in self.searched.iter().chain(&self.searched) {
-                let c = image.dot(image_of_known);
-                image.add(-c, image_of_known);
-                step.add(-c, known);
+            let mut mixture = vec![0.0; self.images.len()];
+            let mut length = before;
+            for _ in 0..2 {
+                for (known, c) in self.images.iter().zip(&mut mixture) {
+                    *c += take(known, &mut image);
+                }
+                let outside = image.norm();
+                let is_clean = outside > LOST * length;
+                length = outside;
+                if is_clean {
+                    break;
+                }
             }
-            let length = image.norm();
             if !(length > f64::EPSILON * before && length.is_finite()) {
                 return None;
             }
             image.scale(1.0 / length);
-            step.scale(1.0 / length);
-            let pair = (step, image);
-            take(&pair, &mut rest, &mut found);
-            self.searched.push(pair);
+            mixture.push(length);
+            along.push(take(&image, &mut rest));
+            self.steps.push(step);
+            self.images.push(image);
+            self.mixtures.push(mixture);
+        }
+        // The steps whose images are the orthonormal ones, backwards.
+        for at in (0..self.steps.len()).rev() {
+            let mixture = &self.mixtures[at];
+            let factor = along[at] / mixture[at];
+            for (along, c) in along.iter_mut().zip(&mixture[..at]) {
+                *along -= factor * c;
+            }
+            found.add(factor, &self.steps[at]);
         }
         Some(found)
     }
@@ -103,7 +140,7 @@ mod tests {
         let counted = std::cell::Cell::new(0);
         let search = |rest: &Vec<f64>| {
             counted.set(counted.get() + 1);
-            (rest.clone(), product(rest))
+            Some((rest.clone(), product(rest)))
         };
         let mut solver = ConjugateResiduals::new(3);
         for right in [vec![1.0, 2.0, 3.0], vec![-1.0, 0.5, 0.0], vec![0.0; 3]] {

@@ -229,6 +229,9 @@ const SHORTEST: f64 = 1e-5;
 /// Iterations far from the solution beyond which steps are not made longer.
 const EASY: usize = 3;
 
+/// Krylov steps of a point beyond which the next one is preconditioned with its mean tangent, and not with that of the stuck structure.
+const HARD: usize = 40;
+
 /// Most times that the force is halved to reach the first point.
 const MAX_RAMP: i32 = 8;
 
@@ -239,7 +242,7 @@ pub(crate) struct Tracer<'a, 's, F: PointwiseForce> {
     /// Part of the amplitude held that is asked for at the moment.
     share: f64,
     /// For the point at hand.
-    effort: Effort,
+    pub(crate) effort: Effort,
     /// For all before it.
     before: Effort,
 }
@@ -365,7 +368,7 @@ impl<'a, 's, F: PointwiseForce> Tracer<'a, 's, F> {
                         .into());
                     }
                     let easy = found.far <= EASY;
-                    self.before += std::mem::take(&mut self.effort);
+                    self.settle(&next.v);
                     tangent = Some(self.secant(&here, &next, length));
                     here = next;
                     if easy {
@@ -381,6 +384,14 @@ impl<'a, 's, F: PointwiseForce> Tracer<'a, 's, F> {
             history: Vec::new(),
         }
         .into())
+    }
+
+    /// Closes the account of a motion that was found, and takes its mean tangent for the preconditioner if it was hard to find.
+    pub(crate) fn settle(&mut self, motion: &Harmonics) {
+        if self.effort.krylov_steps > HARD {
+            self.system.adapt(motion);
+        }
+        self.before += std::mem::take(&mut self.effort);
     }
 
     pub(crate) fn point(&self, unknown: &Unknown, found: &Converged) -> Point {

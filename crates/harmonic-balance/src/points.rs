@@ -5,7 +5,7 @@ use crate::force::PointwiseForce;
 use crate::forced::{Curve, Held, Point, Settings, Tracer, amplitude};
 use crate::harmonics::Harmonics;
 use crate::load::Load;
-use crate::solve::{BUDGET, Closure, Condition, Effort, Failure, solve};
+use crate::solve::{BUDGET, Closure, Condition, Failure, solve};
 use crate::stability::{self, Exponent};
 use crate::system::{Parameter, Unknown};
 use cqsma_solver::Linearisation;
@@ -62,13 +62,14 @@ impl<'a, 's, F: PointwiseForce> Finder<'a, 's, F> {
     ///
     /// # Errors
     /// [`Error::Interrupted`].
-    pub fn resonances(&self, curve: &Curve) -> Result<Vec<Result<Between, Failure>>, Error> {
-        let load = &self.tracer.system.load;
+    pub fn resonances(&mut self, curve: &Curve) -> Result<Vec<Result<Between, Failure>>, Error> {
+        let load = self.tracer.system.load.clone();
         let in_phase = |point: &Point| load.along(&point.displacement)[0];
         let free = match self.held {
             Held::Force(_) => &[Parameter::Square][..],
             Held::Response { .. } => &[Parameter::Square, Parameter::Force],
         };
+        let held = self.held;
         let conditions = |unknown: &Unknown, _: &Harmonics| {
             let [ahead, behind] = load.along(&unknown.v);
             let reference = ahead.hypot(behind);
@@ -83,7 +84,7 @@ impl<'a, 's, F: PointwiseForce> Finder<'a, 's, F> {
                 along: vec![0.0; free.len()],
             };
             std::iter::once(phase)
-                .chain(amplitude(unknown, self.held, 1.0, free.len()))
+                .chain(amplitude(unknown, held, 1.0, free.len()))
                 .collect()
         };
         let closure = Closure {
@@ -102,10 +103,11 @@ impl<'a, 's, F: PointwiseForce> Finder<'a, 's, F> {
                 &mut unknown,
                 &closure,
                 &self.settings.newton,
-                &mut Effort::default(),
+                &mut self.tracer.effort,
                 BUDGET[0],
             );
             self.unless_interrupted()?;
+            self.tracer.settle(&unknown.v);
             found.push(solved.map(|converged| {
                 let mut point = self.tracer.point(&unknown, &converged);
                 // Anew from the stiffness.
@@ -132,6 +134,7 @@ impl<'a, 's, F: PointwiseForce> Finder<'a, 's, F> {
             *unknown.at_mut(Parameter::Square) = omega * omega;
             let solved = self.tracer.correct(&mut unknown, None);
             self.unless_interrupted()?;
+            self.tracer.settle(&unknown.v);
             found.push(solved.map(|converged| Between {
                 after,
                 point: self.tracer.point(&unknown, &converged),
@@ -198,6 +201,7 @@ impl<'a, 's, F: PointwiseForce> Finder<'a, 's, F> {
             let solved = self.tracer.correct(&mut unknown, Some((&predicted, &tangent)));
             self.unless_interrupted()?;
             let Ok(converged) = solved else { break };
+            self.tracer.settle(&unknown.v);
             curve.insert(after, self.tracer.point(&unknown, &converged));
             let candidates = [at - 1, at, at + 1, at + 2];
             let highest = candidates

@@ -5,7 +5,7 @@ use crate::backbone::Motion;
 use crate::force::PointwiseForce;
 use crate::harmonics::Harmonics;
 use crate::load::Load;
-use crate::system::{Evaluation, System, Unknown};
+use crate::system::{Derivative, Evaluation, System, Unknown};
 use cqsma_solver::Linearisation;
 
 /// A motion about which residuals and Krylov steps can be repeated.
@@ -13,7 +13,7 @@ pub struct Probe<'a, F: PointwiseForce> {
     system: System<'a, F>,
     unknown: Unknown,
     evaluation: Evaluation,
-    coarse: Harmonics,
+    coarse: Derivative,
 }
 
 impl<'a, F: PointwiseForce> Probe<'a, F> {
@@ -36,7 +36,7 @@ impl<'a, F: PointwiseForce> Probe<'a, F> {
         system.restore(&mut unknown);
         let evaluation = system.evaluate(&unknown);
         Self {
-            coarse: system.coarse_forces(&unknown.v),
+            coarse: Derivative::Coarse(system.coarse_forces(&unknown.v)),
             system,
             unknown,
             evaluation,
@@ -57,7 +57,7 @@ impl<'a, F: PointwiseForce> Probe<'a, F> {
     pub fn krylov_step(&self) -> f64 {
         let Evaluation { residual, response, .. } = &self.evaluation;
         let [v, p] = self.system.precondition(&self.unknown, residual, response);
-        let image = self.system.product(&self.unknown, &v, &p, Some(&self.coarse));
+        let image = self.system.product(&self.unknown, &v, &p, &self.coarse);
         self.system.solve_stuck(&image).dot(&image)
     }
 
@@ -67,7 +67,7 @@ impl<'a, F: PointwiseForce> Probe<'a, F> {
             .contact_derivative(
                 &self.unknown,
                 [&self.evaluation.response, &self.evaluation.residual],
-                Some(&self.coarse),
+                &self.coarse,
             )
             .dot(&self.unknown.v)
     }

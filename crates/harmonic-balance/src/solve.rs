@@ -2,7 +2,7 @@
 
 use crate::force::PointwiseForce;
 use crate::harmonics::Harmonics;
-use crate::system::{Evaluation, Parameter, Step, System, Unknown};
+use crate::system::{Derivative, Evaluation, Parameter, Step, System, Unknown};
 use dense_algebra::{ConjugateResiduals, Inner, Vector};
 
 /// Most steps of the iteration for one linear solve.
@@ -175,18 +175,24 @@ const NEAR: f64 = 1e-4;
 /// Accuracy of steps with an approximate Jacobian, relative: its own error is of this size.
 const COARSE_FORCING: f64 = 0.01;
 
-/// Residual over the one before from which the exact Jacobian takes over.
+/// Residual over the one before from which the Jacobian of all samples takes over.
 const SLOW: f64 = 0.5;
+
+/// Residual over the one before up to which the next step is made with the same Jacobian.
+const REUSED: f64 = 0.3;
 
 /// Most directions that are kept for right-hand sides that share a Jacobian.
 const MOST_SEARCHED: usize = 600;
 
+/// Directions, with what the bordered Jacobian makes of them.
+type Searched = ConjugateResiduals<Step, Direction>;
+
 /// The bordered Jacobian at a motion.
 struct Bordered<'s, 'a, F: PointwiseForce> {
     system: &'s System<'a, F>,
-    unknown: &'s Unknown,
-    /// Contact forces at the motion from fewer samples, where the Jacobian is an approximation.
-    coarse: Option<Harmonics>,
+    unknown: Unknown,
+    /// How the contact forces are differentiated.
+    derivative: Derivative,
     /// Derivatives of the residual with respect to the free parameters, their preconditioned answers as displacement and force.
     columns: Vec<Harmonics>,
     answers: Vec<[Harmonics; 2]>,
@@ -231,8 +237,8 @@ impl Vector for Direction {
 impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
     fn try_new(
         system: &'s System<'a, F>,
-        unknown: &'s Unknown,
-        is_coarse: bool,
+        unknown: &Unknown,
+        derivative: Derivative,
         evaluation: &Evaluation,
         closure: &Closure<'_>,
         conditions: Vec<Condition>,
@@ -250,8 +256,8 @@ impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
         let block: Vec<Vec<f64>> = (0..m).map(|i| (0..m).map(|j| entry(i, j)).collect()).collect();
         Some(Self {
             system,
-            unknown,
-            coarse: is_coarse.then(|| system.coarse_forces(&unknown.v)),
+            unknown: unknown.clone(),
+            derivative,
             inverse: inverse(&block)?,
             columns,
             answers,
@@ -264,7 +270,7 @@ impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
     fn precondition(&self, direction: &Direction) -> Step {
         let [mut v, mut p] = self
             .system
-            .precondition(self.unknown, &direction.force, &direction.response);
+            .precondition(&self.unknown, &direction.force, &direction.response);
         let missing: Vec<f64> = self
             .conditions
             .iter()
@@ -285,9 +291,7 @@ impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
 
     /// The Jacobian times a step whose values of the conditions are `conditions`.
     fn product(&self, step: &Step, conditions: &[f64]) -> Direction {
-        let mut force = self
-            .system
-            .product(self.unknown, &step.v, &step.p, self.coarse.as_ref());
+        let mut force = self.system.product(&self.unknown, &step.v, &step.p, &self.derivative);
         for (change, column) in step.parameters.iter().zip(&self.columns) {
             force.add(*change, column);
         }
@@ -299,91 +303,24 @@ impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
         }
     }
 
-    /// Solves for the step that takes `start` away: GMRES in the energy norm, preconditioned from the right, so that its residual is
-    /// that of the equations. `None` if `tolerance` (relative) is not reached.
-    fn solve(&self, start: Direction, tolerance: f64) -> Option<(Step, usize)> {
-        let norm = start.dot(&start).max(0.0).sqrt();
-        let mut first = start;
-        first.scale(1.0 / norm);
-        let mut basis = vec![first];
-        let mut columns: Vec<Vec<f64>> = Vec::new();
-        let mut rotations: Vec<(f64, f64)> = Vec::new();
-        let mut rhs = vec![norm];
-        for index in 0..MAX_KRYLOV {
+    /// The step that takes `start` away, with what was `searched` before at this Jacobian. `None` if `tolerance` (relative, in the energy norm) is not
+    /// reached.
+    fn solve(&self, start: Direction, searched: &mut Searched, tolerance: f64) -> Option<Step> {
+        let zero = || Harmonics::zeros(start.force.size(), start.force.count());
+        let none = Step {
+            v: zero(),
+            p: zero(),
+            parameters: vec![0.0; self.columns.len()],
+        };
+        let search = |rest: &Direction| {
             if self.system.line().limits.stops() {
                 return None;
             }
-            let step = self.precondition(&basis[index]);
-            let mut image = self.product(&step, &basis[index].conditions);
-            let mut h = Vec::with_capacity(index + 2);
-            for known in &basis {
-                let c = image.dot(known);
-                image.add(-c, known);
-                h.push(c);
-            }
-            let length = image.dot(&image).max(0.0).sqrt();
-            for (i, &(c, s)) in rotations.iter().enumerate() {
-                (h[i], h[i + 1]) = (c * h[i] + s * h[i + 1], c * h[i + 1] - s * h[i]);
-            }
-            let radius = h[index].hypot(length);
-            if !(radius > 0.0 && radius.is_finite()) {
-                return None;
-            }
-            let (c, s) = (h[index] / radius, length / radius);
-            h[index] = radius;
-            rotations.push((c, s));
-            columns.push(h);
-            let last = rhs[index];
-            rhs[index] = c * last;
-            rhs.push(-s * last);
-            if rhs[index + 1].abs() <= tolerance * norm || length == 0.0 {
-                return Some((self.combine(&basis, &columns, &rhs), index + 1));
-            }
-            image.scale(1.0 / length);
-            basis.push(image);
-        }
-        None
-    }
-
-    /// Steps that take each of `starts` away, where what was searched for one serves the next ones. `None` if `tolerance` (relative) is not
-    /// reached.
-    fn solve_all(&self, starts: Vec<Direction>, tolerance: f64) -> Option<Vec<Step>> {
-        let mut residuals = ConjugateResiduals::new(MOST_SEARCHED);
-        let search = |rest: &Direction| {
             let step = self.precondition(rest);
             let image = self.product(&step, &rest.conditions);
-            (step, image)
+            Some((step, image))
         };
-        let solve = |start: Direction| {
-            let zero = || Harmonics::zeros(start.force.size(), start.force.count());
-            let none = Step {
-                v: zero(),
-                p: zero(),
-                parameters: vec![0.0; self.columns.len()],
-            };
-            residuals.solve(start, none, tolerance, search)
-        };
-        starts.into_iter().map(solve).collect()
-    }
-
-    /// The step from the triangular system.
-    fn combine(&self, basis: &[Direction], columns: &[Vec<f64>], rhs: &[f64]) -> Step {
-        let n = columns.len();
-        let mut y = vec![0.0; n];
-        for i in (0..n).rev() {
-            let known: f64 = (i + 1..n).map(|j| columns[j][i] * y[j]).sum();
-            y[i] = (rhs[i] - known) / columns[i][i];
-        }
-        let size = &basis[0].force;
-        let mut sum = Direction {
-            force: Harmonics::zeros(size.size(), size.count()),
-            response: Harmonics::zeros(size.size(), size.count()),
-            conditions: vec![0.0; self.conditions.len()],
-        };
-        for (y, direction) in y.iter().zip(basis) {
-            sum.add(*y, direction);
-        }
-        self.precondition(&sum)
+        searched.solve(start, none, tolerance, search)
     }
 }
 
@@ -399,7 +336,15 @@ pub(crate) fn parameter_rates<F: PointwiseForce>(
     let evaluation = system.evaluate(unknown);
     let conditions = (closure.conditions)(unknown, &evaluation.inertia);
     let scale = system.scale(unknown);
-    let bordered = Bordered::try_new(system, unknown, false, &evaluation, closure, conditions, scale)?;
+    let bordered = Bordered::try_new(
+        system,
+        unknown,
+        Derivative::Exact,
+        &evaluation,
+        closure,
+        conditions,
+        scale,
+    )?;
     let starts = changes.into_iter().map(|(force, conditions)| {
         let mut start = Direction {
             response: system.solve_stuck(&force),
@@ -409,8 +354,10 @@ pub(crate) fn parameter_rates<F: PointwiseForce>(
         start.scale(-1.0);
         start
     });
-    let steps = bordered.solve_all(starts.collect(), tolerance)?;
-    Some(steps.into_iter().map(|step| step.parameters).collect())
+    // What was searched for one serves the next ones.
+    let mut searched = Searched::new(MOST_SEARCHED);
+    let mut solve = |start| Some(bordered.solve(start, &mut searched, tolerance)?.parameters);
+    starts.map(&mut solve).collect()
 }
 
 /// Inverse of a matrix of one or two rows; `None` if it is singular.
@@ -450,6 +397,8 @@ pub(crate) fn solve<F: PointwiseForce>(
     effort.evaluations += 1;
     let (mut stalled, mut bold_steps) = (0, 0);
     let mut is_coarse = true;
+    // The Jacobian of an iterate before, as long as its steps take enough off the residual: what was searched there need not be searched again.
+    let mut jacobian: Option<(Bordered<'_, '_, F>, Searched)> = None;
     loop {
         if unknown.at(Parameter::Square) <= 0.0 {
             return fail(Reason::NoFrequency, history);
@@ -488,12 +437,6 @@ pub(crate) fn solve<F: PointwiseForce>(
             return fail(Reason::Stalled, history);
         }
         effort.iterations += 1;
-        let mut start = Direction {
-            force: evaluation.residual.clone(),
-            response: evaluation.response.clone(),
-            conditions: conditions.iter().map(|c| c.value * scale).collect(),
-        };
-        start.scale(-1.0);
         let forcing = (0.1 * size / scale)
             .sqrt()
             .min(0.1)
@@ -504,23 +447,41 @@ pub(crate) fn solve<F: PointwiseForce>(
         } else {
             forcing
         };
-        let Some(bordered) = Bordered::try_new(system, unknown, is_coarse, &evaluation, closure, conditions, scale)
-        else {
+        let values: Vec<f64> = conditions.iter().map(|condition| condition.value).collect();
+        let is_new = jacobian.is_none();
+        if is_new {
+            let derivative = match is_coarse {
+                true => Derivative::Coarse(system.coarse_forces(&unknown.v)),
+                false => Derivative::Fine(evaluation.contact.clone()),
+            };
+            let made = Bordered::try_new(system, unknown, derivative, &evaluation, closure, conditions, scale);
+            jacobian = made.map(|bordered| (bordered, Searched::new(MAX_KRYLOV)));
+        }
+        let Some((bordered, searched)) = &mut jacobian else {
             return fail(Reason::LinearSolve, history);
         };
-        let Some((step, krylov)) = bordered.solve(start, forcing) else {
-            effort.krylov_steps += MAX_KRYLOV;
-            if is_coarse {
-                is_coarse = false;
+        let mut start = Direction {
+            force: evaluation.residual.clone(),
+            response: evaluation.response.clone(),
+            conditions: values.iter().map(|value| value * bordered.scale).collect(),
+        };
+        start.scale(-1.0);
+        let known = searched.searched();
+        let solved = bordered.solve(start, searched, forcing);
+        effort.krylov_steps += searched.searched() - known;
+        let Some(step) = solved else {
+            jacobian = None;
+            let stops = system.line().limits.stops();
+            if !stops && (!is_new || is_coarse) {
+                is_coarse &= !is_new;
                 continue;
             }
-            let reason = match system.line().limits.stops() {
+            let reason = match stops {
                 true => Reason::Interrupted,
                 false => Reason::LinearSolve,
             };
             return fail(reason, history);
         };
-        effort.krylov_steps += krylov;
         let mut length = 1.0;
         let mut best: Option<(f64, Unknown, Evaluation)> = None;
         let mut whole: Option<(f64, Unknown, Evaluation)> = None;
@@ -561,7 +522,10 @@ pub(crate) fn solve<F: PointwiseForce>(
                 history,
             );
         };
-        is_coarse &= found <= SLOW * size;
+        if found > REUSED * size {
+            is_coarse &= found <= SLOW * size || !is_new;
+            jacobian = None;
+        }
         if found > 0.999 * size {
             stalled += 1;
         } else {

@@ -157,6 +157,17 @@ fn add_product(a: MatRef<'_, f64>, x: &[f64], y: &mut [f64]) {
     }
 }
 
+/// How derivatives of the contact forces along a change of the motion are found.
+#[derive(Clone, Debug)]
+pub(crate) enum Derivative {
+    /// To rounding, at several times the price of the forces.
+    Exact,
+    /// By a difference from the forces at the motion.
+    Fine(Harmonics),
+    /// By a difference from those of fewer samples: at a fraction of the price, with the error of their sampling.
+    Coarse(Harmonics),
+}
+
 /// What an evaluation leaves.
 pub(crate) struct Evaluation {
     /// Residual forces.
@@ -410,21 +421,23 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         self.coarse.forces(motion).force
     }
 
-    /// Their derivative along a change of the motion: to rounding, or with the `coarse` forces at the motion by a difference of such forces.
+    /// Their derivative along a change of the motion.
     pub(crate) fn contact_derivative(
         &self,
         unknown: &Unknown,
         [v, p]: [&Harmonics; 2],
-        coarse: Option<&Harmonics>,
+        derivative: &Derivative,
     ) -> Harmonics {
         let ratio = unknown.v.dot(&unknown.p) / v.dot(p);
-        let Some(base) = coarse.filter(|_| ratio.is_finite() && ratio > 0.0) else {
-            return self.contact.derivative(&unknown.v, v);
+        let (contact, base) = match derivative {
+            Derivative::Coarse(base) if ratio.is_finite() && ratio > 0.0 => (&self.coarse, base),
+            Derivative::Fine(base) if ratio.is_finite() && ratio > 0.0 => (&self.contact, base),
+            _ => return self.contact.derivative(&unknown.v, v),
         };
         let step = DIFFERENCE * ratio.sqrt();
         let mut moved = unknown.v.clone();
         moved.add(step, v);
-        let mut change = self.coarse_forces(&moved);
+        let mut change = contact.forces(&moved).force;
         change.add(-1.0, base);
         change.scale(1.0 / step);
         change
@@ -552,17 +565,16 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         out
     }
 
-    /// Product of the Jacobian with a change of the motion, given with `p = P v`; with the coarse forces at the motion an approximation, at a tenth
-    /// of the price.
+    /// Product of the Jacobian with a change of the motion, given with `p = P v`.
     pub(crate) fn product(
         &self,
         unknown: &Unknown,
         v: &Harmonics,
         p: &Harmonics,
-        coarse: Option<&Harmonics>,
+        derivative: &Derivative,
     ) -> Harmonics {
         let [a, b, _] = unknown.parameters;
-        let mut out = self.contact_derivative(unknown, [v, p], coarse);
+        let mut out = self.contact_derivative(unknown, [v, p], derivative);
         self.subtract_stuck(v, &mut out);
         out.add(1.0, p);
         let inertia = self.inertia(v);

@@ -9,6 +9,7 @@
 //! | [`smoothing`] | Savitzky-Golay |
 //! | [`backbone`] | the identification of one hit, with the rules for its ends |
 //! | [`hilbert`] | a second method on the same signal, for the difference |
+//! | [`stepped_sine`] | tests at controlled response and at phase resonance: a mode for each level |
 //! | [`average`] | several hits: mean and spread |
 //! | [`spectrum`] | where the mode is |
 //! | [`synthetic`] | ring-downs of known frequency and damping, for tests |
@@ -33,6 +34,7 @@ pub mod shock_spectrum;
 pub mod signal;
 pub mod smoothing;
 pub mod spectrum;
+pub mod stepped_sine;
 pub mod synthetic;
 mod track;
 

@@ -225,7 +225,7 @@ fn samples() -> usize {
 }
 
 fn tolerance() -> f64 {
-    1e-8
+    1e-9
 }
 
 fn amplitude_step() -> f64 {

@@ -34,7 +34,7 @@ fn resonances(
     curve: &Curve,
     settings: &Settings,
 ) -> Vec<Point> {
-    let finder = Finder::try_new(line, law, load, held, settings).expect("sizes fit");
+    let mut finder = Finder::try_new(line, law, load, held, settings).expect("sizes fit");
     let found = finder.resonances(curve).expect("not interrupted");
     let point = |found: Result<Between, Failure>| found.expect("the resonance is found").point;
     found.into_iter().map(point).collect()

@@ -1,8 +1,8 @@
-//! `identify`: frequency and damping against amplitude from measured ring-downs.
+//! `identify`: frequency and damping against amplitude from measured ring-downs, or from stepped-sine tests.
 
 use crate::files::{self, Overwrite};
 use crate::text::print;
-use anyhow::Result;
+use anyhow::{Result, bail, ensure};
 use file_io::durable::Identity;
 use modal_identification::average::{MeanPoint, average};
 use modal_identification::backbone::{Identification, Point, Settings, Trims, identify};
@@ -49,7 +49,16 @@ pub struct Arguments {
     /// Amplitudes of the mean of several hits.
     #[arg(long, value_name = "NUMBER", default_value_t = 200)]
     points: usize,
-    /// Folder for backbone.csv, backbone.svg and identification.json.
+    /// The files are tables of stepped-sine tests at controlled response (CSV), as `forced.csv` of a run with response levels.
+    #[arg(
+        long,
+        conflicts_with_all = ["channel", "frequency", "bandwidth", "start", "smoothing", "noise_margin", "unit", "sample_rate", "amplitude", "points"]
+    )]
+    stepped_sine: bool,
+    /// Mass of the mode at the points of force and response, for tests at phase resonance (kg).
+    #[arg(long, requires = "stepped_sine", value_name = "KG")]
+    modal_mass: Option<f64>,
+    /// Folder for backbone.csv, backbone.svg (of ring-downs) and identification.json.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
@@ -85,6 +94,9 @@ struct Hit {
 
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
+    if arguments.stepped_sine {
+        return run_steps(arguments);
+    }
     let stated = Stated {
         unit: arguments.unit.clone(),
         sample_rate: arguments.sample_rate,
@@ -135,6 +147,98 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let names = outputs.each_ref().map(|o| o.name.as_str()).join(", ");
     let text = printed(&hits, &mean, quantity);
     print(&format!("{text}written to {}: {names}\n", directory.display()))
+}
+
+/// A mode for each level of stepped-sine tests.
+fn run_steps(arguments: &Arguments) -> Result<()> {
+    if let Some(mass) = arguments.modal_mass {
+        ensure!(
+            mass > 0.0 && mass.is_finite(),
+            "--modal-mass {mass}: it must be positive (kg)"
+        );
+    }
+    let mut found = Vec::new();
+    for path in &arguments.files {
+        let file = path.display().to_string();
+        found.extend(
+            readers::steps::read(path)?
+                .into_iter()
+                .map(|level| (file.clone(), level)),
+        );
+    }
+    let Some(quantity) = found.first().map(|(_, level)| level.quantity) else {
+        bail!("no level was found in the files");
+    };
+    if let Some((file, level)) = found.iter().find(|(_, level)| level.quantity != quantity) {
+        bail!(
+            "{file}: amplitudes are those of {}, and of {quantity} in the first file; identify them apart",
+            level.quantity
+        );
+    }
+    let (mut mean, mut levels, mut text) = (Vec::new(), Vec::new(), String::new());
+    for (file, level) in &found {
+        let fitted = level.fit(arguments.modal_mass);
+        match &fitted {
+            Ok(fit) => {
+                mean.push(MeanPoint {
+                    amplitude: fit.amplitude,
+                    frequency_hz: fit.frequency_hz,
+                    damping_ratio: fit.damping_ratio,
+                    hits: 1,
+                    spread: None,
+                });
+                let left = fit.residual.map_or_else(
+                    || "at phase resonance".to_owned(),
+                    |r| format!("residual {:.2} %", 100.0 * r),
+                );
+                // Writing into text does not fail.
+                let _ = writeln!(
+                    text,
+                    "{file}, level {}: {:.4e} {}, {:.4} Hz, damping ratio {:.4e}, modal mass {:.4e} kg, {} frequencies, {left}",
+                    level.name,
+                    fit.amplitude,
+                    quantity.unit(),
+                    fit.frequency_hz,
+                    fit.damping_ratio,
+                    fit.modal_mass,
+                    fit.steps
+                );
+            }
+            Err(reason) => {
+                let _ = writeln!(text, "{file}, level {}: not identified: {reason}", level.name);
+            }
+        }
+        levels.push(json!({
+            "file": file,
+            "level": level.name,
+            "amplitude": fitted.ok().map(|f| f.amplitude),
+            "amplitude_error": fitted.ok().map(|f| f.amplitude_error),
+            "frequency_hz": fitted.ok().map(|f| f.frequency_hz),
+            "damping_ratio": fitted.ok().map(|f| f.damping_ratio),
+            "modal_mass_kg": fitted.ok().map(|f| f.modal_mass),
+            "modal_mass_is_given": arguments.modal_mass.is_some() && fitted.is_ok_and(|f| f.residual.is_none()),
+            "residual": fitted.ok().and_then(|f| f.residual),
+            "frequencies": fitted.ok().map(|f| f.steps),
+            "failure": fitted.err().map(|reason| reason.to_string()),
+        }));
+    }
+    ensure!(!mean.is_empty(), "no level was identified:\n{text}");
+    mean.sort_by(|a, b| a.amplitude.total_cmp(&b.amplitude));
+    let report = json!({
+        "schema_version": 1,
+        "amplitude": { "quantity": quantity.to_string(), "unit": quantity.unit() },
+        "levels": levels,
+        "points": mean.len(),
+    });
+    let outputs = [
+        Output::new("backbone.csv", identification::table(&mean, quantity)?),
+        Output::new("identification.json", format!("{report:#}\n")),
+    ];
+    let files: Vec<&str> = found.iter().map(|(file, _)| file.as_str()).collect();
+    let identity = Identity::new("identify", files.join(", "));
+    files::publish(arguments.overwrite.open(&arguments.out, &identity, &[])?, &outputs)?;
+    let names = outputs.each_ref().map(|o| o.name.as_str()).join(", ");
+    print(&format!("{text}written to {}: {names}\n", arguments.out.display()))
 }
 
 fn picture(hits: &[Hit], mean: &[MeanPoint], quantity: Quantity) -> Result<String> {

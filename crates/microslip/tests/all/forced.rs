@@ -119,3 +119,74 @@ fn what_a_scene_does_not_ask_for_is_refused_before_anything_is_computed() {
     }
     assert!(!folder.join("results").exists());
 }
+
+#[test]
+fn a_controlled_test_is_identified_from_the_table_that_its_simulation_writes() {
+    let folder = folder("controlled");
+    let mut scene = read_json(Path::new(QUICK));
+    scene["name"] = json!("joint");
+    scene["background_damping"] = json!(1e-3);
+    scene["analyses"]["forced"] =
+        json!({ "response_levels": ["1 um", "30 um"], "from_hz": 160, "to_hz": 180, "samples": 64, "stability": true });
+    std::fs::write(folder.join("joint.json"), scene.to_string()).unwrap();
+    succeeds(&folder, &["run", "joint.json", "--only", "forced"]);
+    let results = folder.join("results/joint-forced");
+    let summary = read_json(&results.join("summary.json"));
+    let table = std::fs::read_to_string(results.join("forced.csv")).unwrap();
+    let headings = table.lines().next().unwrap();
+    assert!(
+        headings.ends_with("force [N],largest_multiplier [-],stable"),
+        "{headings}"
+    );
+
+    let identify = [
+        "identify",
+        "results/joint-forced/forced.csv",
+        "--stepped-sine",
+        "--out",
+        "steps",
+    ];
+    succeeds(&folder, &identify);
+    let found = read_json(&folder.join("steps/identification.json"));
+    let levels = found["levels"].as_array().unwrap();
+    assert_eq!(levels.len(), 2);
+    for (level, simulated) in levels.iter().zip(summary["forced"].as_array().unwrap()) {
+        let number = |name: &str| level[name].as_f64().unwrap();
+        let resonance = &simulated["resonances"][0];
+        let at = |name: &str| resonance[name].as_f64().unwrap();
+        let omega = std::f64::consts::TAU * at("frequency_hz");
+        let zeta = at("force") / (2.0 * number("modal_mass_kg") * omega * omega * at("amplitude"));
+        let errors = [
+            number("frequency_hz") / at("frequency_hz") - 1.0,
+            number("damping_ratio") / zeta - 1.0,
+            number("residual"),
+            number("amplitude_error"),
+        ];
+        println!("{errors:?} {level}");
+        assert!(errors[0].abs() < 1e-4 && errors[1].abs() < 1e-2, "{errors:?}");
+        assert!(errors[2] < 1e-2 && errors[3] < 1e-6, "{errors:?}");
+    }
+    // A stuck joint has the damping of the background alone.
+    let least = levels[0]["damping_ratio"].as_f64().unwrap();
+    assert!((least / 1e-3 - 1.0).abs() < 0.05, "{least}");
+    succeeds(
+        &folder,
+        &["compare", "results/joint-forced", "steps", "--out", "beside"],
+    );
+
+    // What is no such table is refused with the column that it lacks.
+    std::fs::write(folder.join("other.csv"), "frequency [Hz],amplitude [m]\n1,2\n").unwrap();
+    let refused = run(&folder, &["identify", "other.csv", "--stepped-sine", "--out", "other"]);
+    assert_eq!(exit_code(&refused), 2, "{}", messages(&refused));
+    assert!(messages(&refused).contains("phase_lag"), "{}", messages(&refused));
+    let mixed = [
+        "identify",
+        "other.csv",
+        "--stepped-sine",
+        "--unit",
+        "g",
+        "--out",
+        "other",
+    ];
+    assert_eq!(exit_code(&run(&folder, &mixed)), 2);
+}

@@ -6,6 +6,7 @@
 //! | [`named`] | `.mat` (v5, v7) and `.npz`: arrays by name |
 //! | [`csv`] | columns of text |
 //! | [`wav`] | sound files |
+//! | [`steps`] | tables of stepped-sine tests |
 //!
 //! Readers refuse what breaks the rules of the format and list what they pass over. Memory stays within a fixed multiple of
 //! the file's size (of its unpacked size where a format packs).
@@ -13,6 +14,7 @@
 pub mod csv;
 pub mod named;
 mod recording;
+pub mod steps;
 pub mod uff;
 pub mod wav;
 

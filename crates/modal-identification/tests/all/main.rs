@@ -4,3 +4,4 @@ mod files_of_others;
 mod filter;
 mod identification;
 mod refusals;
+mod stepped_sine;

@@ -4,9 +4,13 @@ use super::bench::Bench;
 use super::case::Case;
 use super::findings::{Findings, Refusal, worst};
 use analyses::Run;
+use analyses::random::RandomVibration;
 use anyhow::{Context, Result};
 use harmonic_balance::Reason;
-use scenes::{AmplitudeRange, Amplitudes, Bins, Epmc, Force, Forced, Friction, Length, ModalAmplitude, Scene};
+use harmonic_balance::stability::is_stable;
+use scenes::{
+    AmplitudeRange, Amplitudes, Bins, Epmc, Force, Forced, Friction, Length, ModalAmplitude, PointForce, Random, Scene,
+};
 use std::f64::consts::TAU;
 
 pub(super) static CASES: &[Case] = &[
@@ -52,6 +56,12 @@ pub(super) static CASES: &[Case] = &[
         change: "harmonic forces of 1e-9 N and of 1 kN about the first resonance, without and with friction resolved over asperities",
         expected: "a linear resonance of the background damping; far less amplitude per force at 1 kN, or a reason why the curve ends",
         run: forced,
+    },
+    Case {
+        name: "random-1e-12-to-1e9",
+        change: "a random force over the first mode, at levels of 1e-12, 1e-9 and 1e9 of 1 N, and stability of responses at 1e-9 N",
+        expected: "responses in proportion at the smallest levels; at the largest a reason why the backbone does not reach so far; stable",
+        run: random,
     },
 ];
 
@@ -283,6 +293,62 @@ fn periodic_resolved(bench: &Bench) -> Result<Findings> {
         told.push(format!("{damping:.1e} ({:.1e})", loops.zeta));
     }
     findings.outcome = format!("damping (that of loops) {}", told.join(", "));
+    Ok(findings)
+}
+
+fn random(bench: &Bench) -> Result<Findings> {
+    let background = 1e-3;
+    let mut findings = Findings::default();
+    let rest = bench.run(|scene| scene.analyses.backbone.amplitudes = 0)?;
+    let first = rest.frequencies[0];
+    let run = bench.run(|scene| {
+        scene.background_damping = background;
+        scene.analyses.random = Some(Random {
+            base: None,
+            force: Some(PointForce::default()),
+            psd: [0.5, 1.5].map(|of| (of * first, 1.0 / first)).into(),
+            levels: vec![1e-12, 1e-9, 1e9],
+            in_time: None,
+        });
+        let levels = vec![Force::from_si(1e-9)];
+        let mut forced = Forced::new(levels, 0.98 * first, 1.02 * first);
+        forced.stability = true;
+        scene.analyses.forced = Some(forced);
+    })?;
+    let found = match &run.vibration.random {
+        Some(Ok(found)) => found.as_slice(),
+        _ => &[],
+    };
+    let [least, small, large] = found else {
+        findings.that("three levels", false);
+        return Ok(findings);
+    };
+    let rms = |of: &RandomVibration| of.squares.displacement.sqrt();
+    findings.equal(
+        "response at 1e-9 over that at 1e-12",
+        rms(small) / rms(least),
+        1e3,
+        1e-9,
+    );
+    let is_finite = rms(large).is_finite() && !large.validity.reasons.is_empty();
+    findings.that(
+        "the largest level has a finite response and reasons to doubt it",
+        is_finite,
+    );
+    let motions = run.vibration.forced.iter().flatten().flat_map(|level| &level.points);
+    let judged: Vec<Option<bool>> = motions
+        .map(|point| {
+            point
+                .exponents
+                .as_ref()?
+                .as_ref()
+                .ok()
+                .and_then(|found| is_stable(found))
+        })
+        .collect();
+    let are_stable = !judged.is_empty() && judged.iter().all(|stable| *stable == Some(true));
+    findings.that("all motions at 1e-9 N are stable", are_stable);
+    findings.outcome = format!("{:.3e} m/N, {} stable motions", rms(least) / 1e-12, judged.len());
     Ok(findings)
 }
 
