@@ -452,7 +452,7 @@ pub struct FloquetSummary {
     /// Floquet multipliers, real and imaginary part, one or a pair (of which the upper one is given) for each mode that the harmonics reach; empty where
     /// they were not found.
     pub multipliers: Vec<Vec<[f64; 2]>>,
-    /// Bounds of their errors, relative to them.
+    /// Estimates of their errors, relative to them.
     pub errors: Vec<Vec<f64>>,
     /// Where the stability changes.
     pub bifurcations: Vec<BifurcationSummary>,

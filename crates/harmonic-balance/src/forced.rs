@@ -319,7 +319,10 @@ impl<'a, 's, F: PointwiseForce> Tracer<'a, 's, F> {
             let corrected = self.correct(&mut next, predicted.as_ref().map(|(at, tangent)| (at, *tangent)));
             let length = self.length(&here, &next);
             let outcome = match corrected {
-                Ok(found) if length <= longest(step, &tangent, points.len()) => Ok(found),
+                // A load that changes its sign is that of the same motions half a period later: the curve's mirror image.
+                Ok(found) if length <= longest(step, &tangent, points.len()) && next.at(Parameter::Force) > 0.0 => {
+                    Ok(found)
+                }
                 Ok(_) => Err(Failure {
                     reason: Reason::StepTooSmall,
                     history: Vec::new(),

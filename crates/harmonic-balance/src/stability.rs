@@ -22,7 +22,7 @@ use nalgebra::{Complex, DMatrix, DVector, SVD, Schur};
 use std::f64::consts::TAU;
 
 /// Residual of an eigenvector, in the energy norm relative to its own, that is searched for.
-const TOLERANCE: f64 = 1e-7;
+const TOLERANCE: f64 = 1e-6;
 
 /// Most times that residuals are added to what is searched in.
 const MOST_ROUNDS: usize = 15;
@@ -33,9 +33,10 @@ const NOTHING_NEW: f64 = 1e-9;
 /// Growth per period from which the change of the contact force with `alpha` is found.
 const SMALL_GROWTH: f64 = 1e-5;
 
-/// Most corrections of an exponent, and the change of the exponent over a period at which they end.
-const MOST_CORRECTIONS: usize = 8;
-const CORRECTED: f64 = 1e-11;
+/// Most corrections of an exponent, its error relative to the frequency at which they end, and the largest one that is made, over a period.
+const MOST_CORRECTIONS: usize = 30;
+const SETTLED: f64 = 1e-7;
+const LARGEST_CORRECTION: f64 = 0.3;
 
 /// Distance from the edges of the strip of width `omega`, relative to half of it, within which an exponent is found a second time on the other side, and
 /// within which the two are one.
@@ -57,7 +58,7 @@ pub struct Exponent {
     pub growth: f64,
     /// Angular frequency of what grows against the motion (rad/s), from 0 to half of that of the motion.
     pub detuning: f64,
-    /// Bound of its error (1/s), from the residual of its eigenvector.
+    /// Estimate of its error (1/s), from the last correction and the square of the residual of its eigenvector.
     pub error: f64,
 }
 
@@ -115,12 +116,10 @@ pub fn bifurcation(one: (f64, &[Exponent]), other: (f64, &[Exponent])) -> Option
     })
 }
 
-/// A real vector, and what the parts of `D` that do not depend on `alpha`, are linear and quadratic in it make of it, without the contact (`structure`) and
-/// with it (`whole`).
+/// A real vector, and what the parts of `D` that do not depend on `alpha`, are linear and quadratic in it make of it.
 struct Direction {
     v: Harmonics,
     p: Harmonics,
-    structure: [Harmonics; 3],
     whole: [Harmonics; 3],
 }
 
@@ -146,15 +145,16 @@ pub(crate) fn exponents<F: PointwiseForce>(system: &System<'_, F>, point: &Point
     let [v, p] = [&unknown.v, &unknown.p];
     search.add(v.clone(), p.clone());
     search.add(rate(v, point.omega), rate(p, point.omega));
-    let mut targets = Vec::new();
-    for _ in 0..MOST_ROUNDS {
+    let mut rounds = 0;
+    let targets = loop {
         if system.line().limits.stops() {
             return Err(fail(Reason::Interrupted));
         }
-        targets = search.targets(n_first, 2 * n_modes)?;
+        let targets = search.targets(n_first, 2 * n_modes)?;
         let rests: Vec<Pair> = targets.iter().filter_map(|target| search.rest(target)).collect();
-        if rests.is_empty() {
-            break;
+        rounds += 1;
+        if rests.is_empty() || rounds > MOST_ROUNDS {
+            break targets;
         }
         let known = search.basis.len();
         for part in rests.into_iter().flatten() {
@@ -163,9 +163,9 @@ pub(crate) fn exponents<F: PointwiseForce>(system: &System<'_, F>, point: &Point
             search.add(v, p);
         }
         if search.basis.len() == known {
-            break;
+            break targets;
         }
-    }
+    };
     let found: Vec<Exponent> = targets
         .iter()
         .map(|target| search.exponent(target))
@@ -260,7 +260,6 @@ impl<F: PointwiseForce> Search<'_, '_, F> {
         }
         v.scale(1.0 / left);
         p.scale(1.0 / left);
-        let structure = self.structure(&v, &p);
         let growth = SMALL_GROWTH * self.omega / TAU;
         let none = Harmonics::zeros(v.size(), v.count());
         let contact = |growth: f64| {
@@ -270,10 +269,10 @@ impl<F: PointwiseForce> Search<'_, '_, F> {
         let at_rest = contact(0.0);
         let mut slope = contact(SMALL_GROWTH);
         slope.add(-1.0, &at_rest);
-        let mut whole = structure.clone();
+        let mut whole = self.structure(&v, &p);
         whole[0].add(1.0, &at_rest);
         whole[1].add(1.0 / growth, &slope);
-        let new = Direction { v, p, structure, whole };
+        let new = Direction { v, p, whole };
         for (power, products) in self.products.iter_mut().enumerate() {
             for (row, known) in products.iter_mut().zip(&self.basis) {
                 row.push(known.v.dot(&new.whole[power]));
@@ -362,22 +361,17 @@ impl<F: PointwiseForce> Search<'_, '_, F> {
 
     /// The residual of a vector with what `G` is linearised, if it is too large.
     fn rest(&self, target: &Target) -> Option<Pair> {
-        let rest = self.residual(target.alpha, &target.right, |d| &d.whole);
+        let rest = self.residual(target.alpha, &target.right);
         (self.norm(&rest) > TOLERANCE).then_some(rest)
     }
 
-    /// `sum_k alpha^k D_k x` with the parts that `of` names.
-    fn residual(
-        &self,
-        alpha: Complex<f64>,
-        right: &DVector<Complex<f64>>,
-        of: impl Fn(&Direction) -> &[Harmonics; 3],
-    ) -> Pair {
+    /// `sum_k alpha^k D_k x`.
+    fn residual(&self, alpha: Complex<f64>, right: &DVector<Complex<f64>>) -> Pair {
         let mut factor = Complex::new(1.0, 0.0);
         let mut sum: Option<Pair> = None;
         for power in 0..3 {
             let scaled = right.map(|c| c * factor);
-            let part = combine(&scaled, self.basis.iter().map(|d| &of(d)[power]));
+            let part = combine(&scaled, self.basis.iter().map(|d| &d.whole[power]));
             match &mut sum {
                 None => sum = Some(part),
                 Some(sum) => sum.iter_mut().zip(&part).for_each(|(sum, part)| sum.add(1.0, part)),
@@ -394,48 +388,83 @@ impl<F: PointwiseForce> Search<'_, '_, F> {
             .sqrt()
     }
 
-    /// The exponent with the contact as it answers to what grows so.
+    /// The exponent with the contact as it answers to what grows so: Newton's method on the exponent, and on the vector what the preconditioner answers to
+    /// the rest.
     fn exponent(&self, target: &Target) -> Result<Exponent, Failure> {
-        let parts: [DMatrix<f64>; 3] = std::array::from_fn(|power| self.projected(power));
-        let [_, linear, square] = &parts;
-        let [re, im] = combine(&target.right, self.basis.iter().map(|d| &d.v));
-        let left: Pair = combine(&target.left, self.basis.iter().map(|d| &d.v));
+        let [_, linear, square]: [DMatrix<f64>; 3] = std::array::from_fn(|power| self.projected(power));
+        let left = combine(&target.left, self.basis.iter().map(|d| &d.v));
+        let mut v = combine(&target.right, self.basis.iter().map(|d| &d.v));
+        let mut p = combine(&target.right, self.basis.iter().map(|d| &d.p));
         let mut alpha = target.alpha;
-        let mut rest;
         let slope = {
             let moved = linear.map(Complex::from) + square.map(|value| alpha * (2.0 * value));
             (target.left.adjoint() * moved * &target.right)[(0, 0)]
         };
         let period = TAU / self.omega;
-        let mut last = f64::INFINITY;
-        let mut corrections = 0;
-        loop {
-            rest = self.residual(alpha, &target.right, |d| &d.structure);
-            let contact = self.system.growing_contact(&self.unknown.v, [&re, &im], alpha * period);
-            rest.iter_mut()
-                .zip(&contact)
-                .for_each(|(rest, contact)| rest.add(1.0, contact));
-            // left^H rest.
-            let [[a, b], [c, d]] = [&left[0], &left[1]].map(|l| [l.dot(&rest[0]), l.dot(&rest[1])]);
-            let mut change = -Complex::new(a + d, b - c) / slope;
-            if alpha.im == 0.0 {
-                change.im = 0.0;
+        let (mut error, mut last) = (f64::INFINITY, f64::INFINITY);
+        for _ in 0..MOST_CORRECTIONS {
+            if self.system.line().limits.stops() {
+                return Err(fail(Reason::Interrupted));
             }
+            let [re, im] = [0, 1].map(|part| self.structure(&v[part], &p[part]));
+            let mut rest = self
+                .system
+                .growing_contact(&self.unknown.v, [&v[0], &v[1]], alpha * period);
+            // What changes with the exponent, without the contact.
+            let mut rate: Pair = std::array::from_fn(|_| Harmonics::zeros(v[0].size(), v[0].count()));
+            for power in 0..3 {
+                let pair = [&re[power], &im[power]];
+                add_product(alpha.powu(power as u32), pair, &mut rest);
+                if power > 0 {
+                    let factor = alpha.powu(power as u32 - 1) * power as f64;
+                    add_product(factor, pair, &mut rate);
+                }
+            }
+            let change = -product(&left, &rest) / slope;
+            let change = if alpha.im == 0.0 { change.re.into() } else { change };
+            add_product(change, [&rate[0], &rate[1]], &mut rest);
             let size = change.norm() * period;
-            if !size.is_finite() {
+            let residual = self.norm(&rest);
+            if !(residual.is_finite() && size.is_finite()) {
                 return Err(fail(Reason::NotFinite));
             }
-            if size <= CORRECTED || size >= last || corrections == MOST_CORRECTIONS {
+            // As of a Rayleigh quotient: of second order in the residual.
+            let estimate = change.norm() + residual * residual / slope.norm();
+            // What does not contract is left where it was.
+            if size > LARGEST_CORRECTION || residual > last {
+                error = error.min(estimate);
                 break;
             }
-            last = size;
-            corrections += 1;
             alpha += change;
+            (error, last) = (estimate, residual);
+            if error <= SETTLED * self.omega {
+                break;
+            }
+            for part in 0..2 {
+                let answer = self.system.solve_stuck(&rest[part]);
+                let [step, held] = self.system.precondition(self.unknown, &rest[part], &answer);
+                v[part].add(-1.0, &step);
+                p[part].add(-1.0, &held);
+            }
         }
         Ok(Exponent {
             growth: alpha.re,
             detuning: alpha.im,
-            error: self.norm(&rest) / slope.norm(),
+            error,
         })
     }
+}
+
+/// Adds a complex factor times a vector.
+fn add_product(factor: Complex<f64>, [re, im]: [&Harmonics; 2], to: &mut Pair) {
+    to[0].add(factor.re, re);
+    to[0].add(-factor.im, im);
+    to[1].add(factor.im, re);
+    to[1].add(factor.re, im);
+}
+
+/// `left^H right`.
+fn product(left: &Pair, right: &Pair) -> Complex<f64> {
+    let dot = |i: usize, j: usize| left[i].dot(&right[j]);
+    Complex::new(dot(0, 0) + dot(1, 1), dot(0, 1) - dot(1, 0))
 }
