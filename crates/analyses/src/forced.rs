@@ -478,7 +478,6 @@ impl FloquetSummary {
         let omega = |i: usize| TAU * points[i].frequency_hz;
         let each = |found: &Result<Vec<Exponent>, Failure>| found.as_deref().unwrap_or_default().to_vec();
         let found: Vec<Vec<Exponent>> = all.iter().map(|found| each(found)).collect();
-        let judged = |of: &Vec<Exponent>| (!of.is_empty()).then(|| stability::is_stable(of)).flatten();
         let between = |i: usize| {
             let kind = stability::bifurcation((omega(i), &found[i]), (omega(i + 1), &found[i + 1]))?;
             let is_known = !found[i].is_empty() && !found[i + 1].is_empty();
@@ -496,7 +495,7 @@ impl FloquetSummary {
         let multipliers = |i: usize| found[i].iter().map(|e| e.multiplier(omega(i))).collect();
         let errors = |i: usize| found[i].iter().map(|e| e.error * TAU / omega(i)).collect();
         Some(Self {
-            stable: found.iter().map(judged).collect(),
+            stable: found.iter().map(|of| stability::is_stable(of)).collect(),
             multipliers: (0..points.len()).map(multipliers).collect(),
             errors: (0..points.len()).map(errors).collect(),
             bifurcations: (0..points.len().saturating_sub(1)).filter_map(between).collect(),

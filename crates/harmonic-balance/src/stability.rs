@@ -84,11 +84,11 @@ pub enum Bifurcation {
     NeimarkSacker,
 }
 
-/// Whether all exponents decay; `None` where errors leave it open.
+/// Whether all exponents decay; `None` where errors leave it open, or where there are none.
 pub fn is_stable(exponents: &[Exponent]) -> Option<bool> {
     if exponents.iter().any(|e| e.growth > e.error) {
         Some(false)
-    } else if exponents.iter().all(|e| e.growth < -e.error) {
+    } else if !exponents.is_empty() && exponents.iter().all(|e| e.growth < -e.error) {
         Some(true)
     } else {
         None
