@@ -10,7 +10,7 @@ use super::vibration::{Start, VibrationAnalysis};
 use crate::Error;
 use harmonic_balance::backbone::Motion;
 use harmonic_balance::forced::Held;
-use harmonic_balance::points::{Between, Finder, LEAST_SHARE};
+use harmonic_balance::points::{Between, Finder, LEAST_SHARE, OpenPeak};
 use harmonic_balance::stability::{self, Bifurcation, Exponent};
 use harmonic_balance::{Failure, Harmonics, Load, Sampling, forced, synthesis};
 use joints::progress::Stage;
@@ -99,7 +99,7 @@ impl VibrationAnalysis for Forced {
                 flow(progress)
             })?;
             let mut finder = Finder::try_new(about.line, about.force, &load, held, &solver)?;
-            finder.resolve_peaks(&mut curve, about.response)?;
+            let open_peaks = finder.resolve_peaks(&mut curve, about.response)?;
             let resonances = finder.resonances(&curve)?;
             // Resonances are points of the curve too; from the last to the first, so that the indices hold.
             for found in resonances.iter().flatten().rev() {
@@ -129,7 +129,9 @@ impl VibrationAnalysis for Forced {
                 base,
                 level,
             };
-            let response = ForcedResponse::new(&observed, curve, [&resonances, &at_frequencies], exponents, synthesis);
+            let apart = [resonances.as_slice(), &at_frequencies];
+            let mut response = ForcedResponse::new(&observed, curve, apart, exponents, synthesis);
+            response.open_peaks = open_peaks;
             checkpoint.add(index, &response);
             responses.push(response);
         }
@@ -170,6 +172,8 @@ pub struct ForcedResponse {
     pub resonances: Vec<Result<ForcedPoint, Failure>>,
     /// At the frequencies asked for, on each branch.
     pub at_frequencies: Vec<Result<ForcedPoint, Failure>>,
+    /// Peaks whose height is not known to a thousandth.
+    pub open_peaks: Vec<OpenPeak>,
     /// The response of the nonlinear mode alone, where there is an EPMC backbone.
     pub synthesis: Vec<synthesis::Point>,
     /// Why the curve ends early, if it does.
@@ -309,6 +313,7 @@ impl ForcedResponse {
             points,
             resonances: apart(resonances),
             at_frequencies: apart(at_frequencies),
+            open_peaks: Vec::new(),
             synthesis,
             failure: curve.failure,
             effort: curve.effort,
@@ -384,6 +389,9 @@ pub struct ForcedSummary {
     /// Where the share of a harmonic above the first has a maximum of more than a thousandth.
     #[serde(default)]
     pub superharmonics: Vec<SuperharmonicSummary>,
+    /// Peaks of the first harmonic, and of shares of the others, whose height is not known to a thousandth: number of the harmonic and frequency (Hz).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub open_peaks: Vec<(usize, f64)>,
     /// The largest first harmonic of the curve: frequency (Hz) and amplitude (m).
     pub peak: Option<[f64; 2]>,
     /// The same by the response of the nonlinear mode alone, where an EPMC backbone is there.
@@ -606,6 +614,11 @@ impl ForcedSummary {
                     frequency_hz: point.frequency_hz,
                     share: point.harmonics[harmonic - 1] / point.harmonics[0],
                 })
+                .collect(),
+            open_peaks: of
+                .open_peaks
+                .iter()
+                .map(|open| (open.harmonic, open.omega / TAU))
                 .collect(),
             single_mode_error: peak.zip(alone).map(|(p, a)| [a[0] / p[0] - 1.0, a[1] / p[1] - 1.0]),
             peak,

@@ -29,6 +29,16 @@ pub struct Between {
     pub point: Point,
 }
 
+/// A peak whose height is not known to a thousandth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct OpenPeak {
+    /// The harmonic; above the first, of its share in the first.
+    pub harmonic: usize,
+    /// Angular frequency of the highest point (rad/s).
+    pub omega: f64,
+}
+
 /// What curves are followed with, for points beside those followed.
 pub struct Finder<'a, 's, F: PointwiseForce> {
     tracer: Tracer<'a, 's, F>,
@@ -144,11 +154,12 @@ impl<'a, 's, F: PointwiseForce> Finder<'a, 's, F> {
     }
 
     /// Adds points to the curve about the peaks of the first harmonic of a displacement, and of the shares of the others in it, until each peak is known to a
-    /// thousandth.
+    /// thousandth. Gives those for which that did not succeed.
     ///
     /// # Errors
     /// [`Error::Interrupted`].
-    pub fn resolve_peaks(&mut self, curve: &mut Curve, row: &[f64]) -> Result<(), Error> {
+    pub fn resolve_peaks(&mut self, curve: &mut Curve, row: &[f64]) -> Result<Vec<OpenPeak>, Error> {
+        let mut open = Vec::new();
         let count = curve.points.first().map_or(0, |point| point.displacement.count());
         for h in 1..=count {
             let height = |point: &Point| {
@@ -161,22 +172,30 @@ impl<'a, 's, F: PointwiseForce> Finder<'a, 's, F> {
                 let here = height(&curve.points[at]);
                 let is_peak = here > height(&curve.points[at - 1]) && here >= height(&curve.points[at + 1]);
                 if is_peak && (h == 1 || here > LEAST_SHARE) {
-                    at = self.resolve(curve, at, &height)?;
+                    let is_known;
+                    (at, is_known) = self.resolve(curve, at, &height)?;
+                    let omega = curve.points[at].omega;
+                    open.extend((!is_known).then_some(OpenPeak { harmonic: h, omega }));
                 }
                 at += 1;
             }
         }
-        Ok(())
+        Ok(open)
     }
 
-    /// Adds points about a peak; the index of the highest.
-    fn resolve(&mut self, curve: &mut Curve, mut at: usize, height: &dyn Fn(&Point) -> f64) -> Result<usize, Error> {
+    /// Adds points about a peak; the index of the highest, and whether its height is known.
+    fn resolve(
+        &mut self,
+        curve: &mut Curve,
+        mut at: usize,
+        height: &dyn Fn(&Point) -> f64,
+    ) -> Result<(usize, bool), Error> {
         for _ in 0..MOST_FOR_A_PEAK {
-            let [before, here, behind] = [at - 1, at, at + 1].map(|index| self.unknown(&curve.points[index]));
             let [low, top, high] = [at - 1, at, at + 1].map(|index| height(&curve.points[index]));
             if top - low.min(high) <= PEAK * top {
-                break;
+                return Ok((at, true));
             }
+            let [before, here, behind] = [at - 1, at, at + 1].map(|index| self.unknown(&curve.points[index]));
             let [left, right] = [self.tracer.length(&before, &here), self.tracer.length(&here, &behind)];
             // The top of the parabola through the three, not too near to one of them.
             let (slope, other) = ((top - low) / left, (high - top) / right);
@@ -211,7 +230,7 @@ impl<'a, 's, F: PointwiseForce> Finder<'a, 's, F> {
                 .filter(|at| *at > 0 && at + 1 < curve.points.len())
                 .unwrap_or(at);
         }
-        Ok(at)
+        Ok((at, false))
     }
 
     /// Floquet exponents of all points, each under its load; `observe` hears how many are judged and may stop the run.

@@ -89,7 +89,10 @@ fn section(summary: &Summary, pictures: Vec<Picture<'static>>) -> Section {
         let failures = level.failure.iter().map(|reason| format!("ends early: {reason}"));
         let unfound = level.resonances.iter().filter_map(|r| r.failure.as_ref());
         let unfound = unfound.map(|reason| format!("has a resonance that was not found: {reason}"));
-        let said = failures.chain(unfound);
+        let open = level.open_peaks.iter().map(|(harmonic, hz)| {
+            format!("has a peak of harmonic {harmonic} at {hz:.4} Hz whose height is not known to a thousandth")
+        });
+        let said = failures.chain(unfound).chain(open);
         warnings.extend(said.map(|what| format!("The response to {} {} {what}.", level.level, level.level_unit)));
     }
     let remarks = stabilities(summary)
