@@ -237,8 +237,8 @@ const MAX_RAMP: i32 = 8;
 
 pub(crate) struct Tracer<'a, 's, F: PointwiseForce> {
     pub(crate) system: System<'a, F>,
-    settings: &'s Settings,
-    held: Held<'s>,
+    pub(crate) settings: &'s Settings,
+    pub(crate) held: Held<'s>,
     /// Part of the amplitude held that is asked for at the moment.
     share: f64,
     /// For the point at hand.

@@ -42,9 +42,6 @@ pub struct OpenPeak {
 /// What curves are followed with, for points beside those followed.
 pub struct Finder<'a, 's, F: PointwiseForce> {
     tracer: Tracer<'a, 's, F>,
-    held: Held<'s>,
-    settings: &'s Settings,
-    line: &'a Linearisation<'a, F::State>,
 }
 
 impl<'a, 's, F: PointwiseForce> Finder<'a, 's, F> {
@@ -61,9 +58,6 @@ impl<'a, 's, F: PointwiseForce> Finder<'a, 's, F> {
     ) -> Result<Self, Error> {
         Ok(Self {
             tracer: Tracer::new(line, law, load, held, settings)?,
-            held,
-            settings,
-            line,
         })
     }
 
@@ -75,11 +69,11 @@ impl<'a, 's, F: PointwiseForce> Finder<'a, 's, F> {
     pub fn resonances(&mut self, curve: &Curve) -> Result<Vec<Result<Between, Failure>>, Error> {
         let load = self.tracer.system.load.clone();
         let in_phase = |point: &Point| load.along(&point.displacement)[0];
-        let free = match self.held {
+        let held = self.tracer.held;
+        let free = match held {
             Held::Force(_) => &[Parameter::Square][..],
             Held::Response { .. } => &[Parameter::Square, Parameter::Force],
         };
-        let held = self.held;
         let conditions = |unknown: &Unknown, _: &Harmonics| {
             let [ahead, behind] = load.along(&unknown.v);
             let reference = ahead.hypot(behind);
@@ -112,7 +106,7 @@ impl<'a, 's, F: PointwiseForce> Finder<'a, 's, F> {
                 &self.tracer.system,
                 &mut unknown,
                 &closure,
-                &self.settings.newton,
+                &self.tracer.settings.newton,
                 &mut self.tracer.effort,
                 BUDGET[0],
             );
@@ -255,7 +249,7 @@ impl<'a, 's, F: PointwiseForce> Finder<'a, 's, F> {
     }
 
     fn unless_interrupted(&self) -> Result<(), Error> {
-        match self.line.limits.stops() {
+        match self.tracer.system.line().limits.stops() {
             true => Err(Error::Interrupted),
             false => Ok(()),
         }

@@ -17,7 +17,7 @@ use crate::force::PointwiseForce;
 use crate::forced::Point;
 use crate::harmonics::{Harmonics, add_rotated};
 use crate::solve::{Failure, Reason};
-use crate::system::{System, Unknown};
+use crate::system::{Derivative, System, Unknown};
 use nalgebra::{Complex, DMatrix, DVector, SVD, Schur};
 use std::f64::consts::TAU;
 
@@ -262,15 +262,15 @@ impl<F: PointwiseForce> Search<'_, '_, F> {
         p.scale(1.0 / left);
         let growth = SMALL_GROWTH * self.omega / TAU;
         let none = Harmonics::zeros(v.size(), v.count());
-        let contact = |growth: f64| {
-            let [real, _] = self.system.growing_contact(&self.unknown.v, [&v, &none], growth.into());
-            real
-        };
-        let at_rest = contact(0.0);
-        let mut slope = contact(SMALL_GROWTH);
-        slope.add(-1.0, &at_rest);
+        let contact = self
+            .system
+            .contact_derivative(self.unknown, [&v, &p], &Derivative::Exact);
+        let [mut slope, _] = self
+            .system
+            .growing_contact(&self.unknown.v, [&v, &none], SMALL_GROWTH.into());
+        slope.add(-1.0, &contact);
         let mut whole = self.structure(&v, &p);
-        whole[0].add(1.0, &at_rest);
+        whole[0].add(1.0, &contact);
         whole[1].add(1.0 / growth, &slope);
         let new = Direction { v, p, whole };
         for (power, products) in self.products.iter_mut().enumerate() {

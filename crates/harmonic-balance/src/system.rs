@@ -301,16 +301,19 @@ impl<'a, F: PointwiseForce> System<'a, F> {
 
     /// `M x` of every column.
     pub(crate) fn momentum_of(&self, x: &Harmonics) -> Harmonics {
-        let mut out = Harmonics::zeros(x.size(), x.count());
-        out.each_column(|column, y| self.mass.product_into(x.column(column), y));
-        out
+        self.momentum_from(0, x)
     }
 
     /// `M x`, but for the mean, which has no inertia.
     fn inertia(&self, x: &Harmonics) -> Harmonics {
+        self.momentum_from(1, x)
+    }
+
+    /// `M x` of the columns from `first` on, zero before.
+    fn momentum_from(&self, first: usize, x: &Harmonics) -> Harmonics {
         let mut out = Harmonics::zeros(x.size(), x.count());
         out.each_column(|column, y| {
-            if column > 0 {
+            if column >= first {
                 self.mass.product_into(x.column(column), y);
             }
         });

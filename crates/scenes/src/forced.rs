@@ -318,22 +318,17 @@ impl Forced {
     /// Refuses more than one load.
     fn check_loads(&self, check: &Check<'_>) -> Result<(), Error> {
         let (base, force) = self.parts();
-        let is_single = force != PointForce::default();
         let has_levels = !self.levels.is_empty() || !self.response_levels.is_empty();
-        for (field, is_there, allows_levels) in [
+        let loads = [
             ("analyses.forced.base", base.is_some(), false),
             ("analyses.forced.unbalance", self.unbalance.is_some(), false),
             ("analyses.forced.forces", !self.forces.is_empty(), true),
-        ] {
-            let others = [
-                base.is_some(),
-                self.unbalance.is_some(),
-                !self.forces.is_empty(),
-                is_single,
-            ];
-            let alone = others.into_iter().filter(|given| *given).count() == 1;
+        ];
+        let is_single = force != PointForce::default();
+        let given = loads.iter().filter(|load| load.1).count() + usize::from(is_single);
+        for (field, is_there, allows_levels) in loads {
             check.that(
-                !is_there || (alone && (allows_levels || !has_levels)),
+                !is_there || (given == 1 && (allows_levels || !has_levels)),
                 field,
                 1.0,
                 "(given)",
