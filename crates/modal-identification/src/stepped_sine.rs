@@ -91,28 +91,28 @@ pub enum Unfitted {
 }
 
 impl Level {
-    /// Fits a mode to the level, or takes it at phase resonance with a modal mass (kg) that is known.
+    /// Fits a mode to the level, or where it has too few frequencies takes it at phase resonance with a modal mass (kg) that is known.
     ///
     /// # Errors
     /// [`Unfitted`].
     pub fn fit(&self, modal_mass: Option<f64>) -> Result<Fitted, Unfitted> {
         let derivatives = self.quantity.derivatives();
         let displacement = |step: &Step| step.response / (TAU * step.frequency_hz).powi(derivatives);
-        if let (Some(mass), [step]) = (modal_mass, self.near(90.0 - PHASE_RESONANCE).as_slice()) {
-            let omega = TAU * step.frequency_hz;
-            let in_quadrature = step.force * step.phase_deg.to_radians().sin();
-            return Ok(Fitted {
-                amplitude: step.response,
-                amplitude_error: 0.0,
-                frequency_hz: step.frequency_hz,
-                damping_ratio: in_quadrature / (2.0 * mass * omega * omega * displacement(step)),
-                modal_mass: mass,
-                residual: None,
-                steps: 1,
-            });
-        }
         let used = self.near(LEAST_PHASE);
         if used.len() < LEAST_FREQUENCIES {
+            if let (Some(mass), [step]) = (modal_mass, self.near(90.0 - PHASE_RESONANCE).as_slice()) {
+                let omega = TAU * step.frequency_hz;
+                let in_quadrature = step.force * step.phase_deg.to_radians().sin();
+                return Ok(Fitted {
+                    amplitude: step.response,
+                    amplitude_error: 0.0,
+                    frequency_hz: step.frequency_hz,
+                    damping_ratio: in_quadrature / (2.0 * mass * omega * omega * displacement(step)),
+                    modal_mass: mass,
+                    residual: None,
+                    steps: 1,
+                });
+            }
             return Err(Unfitted::TooFew { found: used.len() });
         }
         let count = used.len() as f64;

@@ -222,6 +222,12 @@ fn run_steps(arguments: &Arguments) -> Result<()> {
             "failure": fitted.err().map(|reason| reason.to_string()),
         }));
     }
+    if arguments.modal_mass.is_some() && !levels.iter().any(|level| level["modal_mass_is_given"] == true) {
+        let _ = writeln!(
+            text,
+            "the modal mass given served no level: all had frequencies enough for a fit of their own, or none at phase resonance"
+        );
+    }
     ensure!(!mean.is_empty(), "no level was identified:\n{text}");
     mean.sort_by(|a, b| a.amplitude.total_cmp(&b.amplitude));
     let report = json!({

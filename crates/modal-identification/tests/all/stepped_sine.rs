@@ -48,6 +48,11 @@ fn levels_give_the_mode_that_made_them_whatever_is_measured() {
         let one = level(quantity, &[FREQUENCY]).fit(Some(MASS)).expect("phase resonance");
         assert!((one.damping_ratio / ZETA - 1.0).abs() < 1e-12 && one.residual.is_none());
     }
+    // Where a fit is possible, a mass that is wrong does nothing.
+    let fitted = level(Quantity::Displacement, &around)
+        .fit(Some(2.0 * MASS))
+        .expect("a mode");
+    assert!((fitted.modal_mass / MASS - 1.0).abs() < 1e-9);
     let few = level(Quantity::Displacement, &[41.9, 42.1]);
     assert_eq!(few.fit(None), Err(Unfitted::TooFew { found: 2 }));
 }
