@@ -118,23 +118,30 @@ fn a_folder_is_held_by_one_process_that_others_are_told() {
 fn many_threads_hold_a_folder_one_after_the_other() {
     use std::sync::atomic::{AtomicUsize, Ordering};
     let directory = TemporaryFolder::new("durable-contended");
-    let (inside, held) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let inside = AtomicUsize::new(0);
     std::thread::scope(|scope| {
         for _ in 0..8 {
+            // No limit on attempts: how many fail while another thread holds the folder is up to
+            // the scheduler, and each holder lets go.
             scope.spawn(|| {
-                for _ in 0..200 {
-                    if let Ok(folder) = Folder::open(&directory, &identity(), false) {
-                        assert_eq!(inside.fetch_add(1, Ordering::SeqCst), 0);
-                        held.fetch_add(1, Ordering::SeqCst);
-                        std::thread::yield_now();
-                        inside.fetch_sub(1, Ordering::SeqCst);
-                        drop(folder);
+                let mut held = 0;
+                while held < 25 {
+                    match Folder::open(&directory, &identity(), false) {
+                        Ok(folder) => {
+                            assert_eq!(inside.fetch_add(1, Ordering::SeqCst), 0);
+                            held += 1;
+                            std::thread::yield_now();
+                            inside.fetch_sub(1, Ordering::SeqCst);
+                            drop(folder);
+                        }
+                        Err(Error::Busy { .. }) => std::thread::yield_now(),
+                        Err(other) => panic!("{other}"),
                     }
                 }
             });
         }
     });
-    assert!(held.into_inner() > 8);
+    assert_eq!(inside.into_inner(), 0);
 }
 
 #[test]
