@@ -6,6 +6,7 @@ pub use dense_algebra::arithmetic_fingerprint;
 
 use crate::Error;
 use finite_elements::formats::abaqus;
+use finite_elements::formats::solid_mesh::SolidMesh;
 use joints::structure::matrix_files_of;
 use scenes::{Scene, StructureSource, Surface};
 use serde::{Deserialize, Serialize};
@@ -185,7 +186,10 @@ pub fn inputs_of(scene: &Scene) -> Result<Vec<Input>, Error> {
             let all = abaqus::files(&deck.path, deck.includes)?;
             files.extend(all.into_iter().skip(1).map(|path| (InputRole::DeckInclude, path)));
         }
-        StructureSource::Mesh(mesh) => files.push((InputRole::Mesh, mesh.path.clone())),
+        StructureSource::Mesh(mesh) => {
+            let all = SolidMesh::files(&mesh.path)?;
+            files.extend(all.into_iter().map(|path| (InputRole::Mesh, path)));
+        }
         StructureSource::Matrices(matrices) => {
             let all = matrix_files_of(&matrices.path);
             files.extend(all.into_iter().map(|path| (InputRole::Matrices, path)));

@@ -17,7 +17,14 @@ fuzz_target!(|bytes: &[u8]| {
     if let Ok(deck) = abaqus::parse(&String::from_utf8_lossy(bytes), "fuzzed") {
         let _ = deck.assembly(&Choices::default());
     }
-    for format in [Format::Gmsh, Format::Abaqus, Format::Vtu] {
+    for format in [
+        Format::Gmsh,
+        Format::Abaqus,
+        Format::Vtu,
+        Format::Nastran,
+        Format::Ansys,
+        Format::Universal,
+    ] {
         if let Ok(mesh) = SolidMesh::from_bytes("fuzzed", format, bytes) {
             let _ = (mesh.bodies(), mesh.boundary());
         }

@@ -7,6 +7,7 @@ mod deck;
 mod deck_reference;
 mod elements;
 mod elimination;
+mod foreign_meshes;
 mod mesh_files;
 mod quadratic;
 mod shanks;

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use test_support::TemporaryFolder;
 
-const SHAPES: [(&str, &ElementType); 7] = [
+pub(crate) const SHAPES: [(&str, &ElementType); 7] = [
     ("tet4", &TET4),
     ("tet10", &TET10),
     ("wedge6", &WEDGE6),
@@ -23,32 +23,32 @@ const SHAPES: [(&str, &ElementType); 7] = [
     ("hex27", &HEX27),
 ];
 
-fn path(name: &str) -> PathBuf {
+pub(crate) fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
 }
 
-fn mesh(name: &str) -> SolidMesh {
+pub(crate) fn mesh(name: &str) -> SolidMesh {
     SolidMesh::read(&path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-fn text(name: &str) -> String {
+pub(crate) fn text(name: &str) -> String {
     std::fs::read_to_string(path(name)).unwrap()
 }
 
-fn parse(format: Format, text: &str) -> Result<SolidMesh, Error> {
+pub(crate) fn parse(format: Format, text: &str) -> Result<SolidMesh, Error> {
     SolidMesh::from_bytes("mesh", format, text.as_bytes())
 }
 
-fn message(result: Result<SolidMesh, Error>) -> String {
+pub(crate) fn message(result: Result<SolidMesh, Error>) -> String {
     result.unwrap_err().to_string()
 }
 
-fn with(text: &str, old: &str, new: &str) -> String {
+pub(crate) fn with(text: &str, old: &str, new: &str) -> String {
     assert!(text.contains(old), "{old}");
     text.replacen(old, new, 1)
 }
 
-fn volume(mesh: &SolidMesh, cells: impl IntoIterator<Item = u32>) -> f64 {
+pub(crate) fn volume(mesh: &SolidMesh, cells: impl IntoIterator<Item = u32>) -> f64 {
     let unit = Material {
         name: "unit".into(),
         youngs_modulus: 1.0,
@@ -65,7 +65,7 @@ fn volume(mesh: &SolidMesh, cells: impl IntoIterator<Item = u32>) -> f64 {
 }
 
 /// Vector area of plane faces.
-fn area(mesh: &SolidMesh, faces: &[Face]) -> [f64; 3] {
+pub(crate) fn area(mesh: &SolidMesh, faces: &[Face]) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for face in faces {
         let x: Vec<[f64; 3]> = face.corners().iter().map(|node| mesh.nodes[*node as usize]).collect();
@@ -80,7 +80,7 @@ fn area(mesh: &SolidMesh, faces: &[Face]) -> [f64; 3] {
     sum
 }
 
-fn assert_near(name: &str, found: &[f64], expected: &[f64]) {
+pub(crate) fn assert_near(name: &str, found: &[f64], expected: &[f64]) {
     assert_eq!(found.len(), expected.len(), "{name}");
     for (a, b) in found.iter().zip(expected) {
         assert!(
@@ -91,7 +91,7 @@ fn assert_near(name: &str, found: &[f64], expected: &[f64]) {
 }
 
 /// Positions of the nodes of every cell in the cell's order, whatever the numbering; rounded, since formats differ in digits.
-fn geometry(mesh: &SolidMesh) -> BTreeSet<Vec<[i64; 3]>> {
+pub(crate) fn geometry(mesh: &SolidMesh) -> BTreeSet<Vec<[i64; 3]>> {
     let at = |node: &u32| mesh.nodes[*node as usize].map(|x| (x * 1e6).round() as i64);
     mesh.cells
         .iter()
@@ -99,7 +99,7 @@ fn geometry(mesh: &SolidMesh) -> BTreeSet<Vec<[i64; 3]>> {
         .collect()
 }
 
-fn names<T>(groups: &[finite_elements::mesh::Group<T>]) -> Vec<&str> {
+pub(crate) fn names<T>(groups: &[finite_elements::mesh::Group<T>]) -> Vec<&str> {
     groups.iter().map(|group| group.name.as_str()).collect()
 }
 

@@ -1,6 +1,6 @@
 """Writes the meshes of this folder: two boxes that touch at z = 5 and share no node.
 
-Needs gmsh 4.15, meshio 5.3 and vtk 9.7 from PyPI:  python generate_meshes.py
+Needs gmsh 4.15, meshio 5.3, vtk 9.7, pyvista 0.49, mapdl-archive 0.4 and pyNastran 1.4 from PyPI:  python generate_meshes.py
 `prepomax.inp` is written by hand, in the form in which PrePoMax 2 writes decks.
 """
 import os
@@ -104,6 +104,77 @@ def by_vtk(source, target, mode, compress):
     writer.Write()
 
 
+# Gmsh's number of the type, VTK's, and for each node of VTK its place in Gmsh.
+SOLIDS = {
+    4: (10, range(4)),
+    11: (24, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]),
+    6: (13, range(6)),
+    18: (26, [0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11]),
+    5: (12, range(8)),
+    17: (25, [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15]),
+}
+
+
+def ansys(name):
+    import mapdl_archive
+    import numpy
+    import pyvista
+
+    mesh = gmsh.model.mesh
+    tags, xyz, _ = mesh.getNodes()
+    place = {int(tag): number for number, tag in enumerate(tags)}
+    cells, types, material = [], [], []
+    for group in (1, 2):
+        for volume in gmsh.model.getEntitiesForPhysicalGroup(3, group):
+            for kind, _, nodes in zip(*mesh.getElements(3, volume)):
+                vtk, order = SOLIDS[kind]
+                for row in nodes.reshape(-1, len(order)):
+                    cells += [len(order)] + [place[int(row[k])] for k in order]
+                    types.append(vtk)
+                    material.append(group)
+    grid = pyvista.UnstructuredGrid(numpy.array(cells), numpy.array(types), xyz.reshape(-1, 3))
+    for component, (dimension, tag) in {"LOWER_FACE": (2, 4), "UPPER_FACE": (2, 5), "EDGE": (1, 6)}.items():
+        inside = numpy.zeros(len(tags), bool)
+        inside[[place[int(tag)] for tag in mesh.getNodesForPhysicalGroup(dimension, tag)[0]]] = True
+        grid.point_data[component] = inside
+    grid.cell_data["ansys_material_type"] = numpy.array(material, numpy.int32)
+    grid.cell_data["LOWER"] = numpy.array(material) == 1
+    mapdl_archive.save_as_archive(name, grid, include_surface_elements=False)
+
+
+def nastran(source, target):
+    """Nodes in a cylindrical, a spherical and a rectangular system, the last of them about nodes; faces under pressure; supports."""
+    from pyNastran.bdf.bdf import BDF
+
+    model = BDF(log=None, debug=None)
+    model.read_bdf(source, xref=False, punch=True)
+    # Facets name what pressures name here.
+    model.elements = {eid: element for eid, element in model.elements.items() if element.type == "CHEXA"}
+    nodes = sorted(model.nodes)
+    corners = [next(n for n in nodes if abs(model.nodes[n].xyz - at).max() < 1e-9) for at in ([0, 0, 0], [20, 0, 0], [0, 10, 0])]
+    model.add_cord2c(3, [1.0, 2.0, 3.0], [1.0, 3.0, 4.0], [5.0, 2.0, 3.5], rid=0)
+    model.add_cord2s(4, [1.0, -2.0, 0.5], [2.0, 3.0, 4.0], [-1.0, 1.0, 1.0], rid=3)
+    model.add_cord1r(7, *corners)
+    model.add_psolid(1, 1)
+    model.add_psolid(2, 1)
+    model.add_mat1(1, 210000.0, None, 0.3, 7.85e-9)
+    model.add_spc1(10, "123", corners)
+    model.add_conm2(900000, corners[0], 0.25)
+    model.cross_reference()
+    at = {n: model.nodes[n].get_position() for n in nodes}
+    for number, node in enumerate(nodes):
+        if node not in corners:
+            system = (3, 4, 7, 0)[number % 4]
+            local = model.coords[system].transform_node_to_local(at[node])
+            model.nodes[node].set_position(model, local, system)
+    for eid, element in model.elements.items():
+        for quad in ((0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)):
+            ids = [element.node_ids[k] for k in quad]
+            if all(abs(at[n][2] - 5) < 1e-9 for n in ids):
+                model.add_pload4(element.pid, [eid], [1.0, None, None, None], ids[0], ids[2])
+    model.write_bdf(target, size=16, is_double=True, close=True)
+
+
 for name, (order, incomplete, shape) in SHAPES.items():
     boxes(order, incomplete, shape)
     write(f"{name}.msh")
@@ -113,10 +184,19 @@ for name, (order, incomplete, shape) in SHAPES.items():
         write(f"{name}-22-binary.msh", 2.2, True)
     if name != "hex27":
         write(f"{name}.inp")
+        gmsh.option.setNumber("Mesh.BdfFieldFormat", 1)
+        write(f"{name}.bdf")
+        write(f"{name}.unv")
+        ansys(f"{name}.cdb")
+    if name == "hex20":
+        nastran("hex20.bdf", "coordinates.bdf")
     # meshio keeps the first of several groups of a cell, and does not know wedges of 15 nodes.
     if name != "wedge15":
         convert(f"{name}.msh", f"{name}.vtu")
     if name == "tet4":
+        for field, form in ((0, "free"), (2, "large")):
+            gmsh.option.setNumber("Mesh.BdfFieldFormat", field)
+            write(f"tet4-{form}.bdf")
         write("version-40.msh", 4.0)
         convert("tet4.msh", "meshio.inp", file_format="abaqus")
         convert("tet4.msh", "meshio-text.vtu", binary=False)
@@ -137,4 +217,4 @@ write("no-groups-22.msh", 2.2)
 gmsh.finalize()
 
 for name in sorted(os.listdir(".")):
-    assert os.path.getsize(name) < 20_000 or name.endswith((".py", ".md")), name
+    assert os.path.getsize(name) < (70_000 if name.endswith((".unv", ".cdb")) else 30_000) or name.endswith((".py", ".md")), name

@@ -73,6 +73,7 @@ mod solid;
 mod text;
 mod write;
 
+pub use super::includes::Includes;
 pub use assembly::Choices;
 pub use deck::{
     AtComponents, Deck, DeckBeam, DeckBeamSection, DeckCoupling, DeckCouplingKind, DeckEquation, DeckInertia, DeckMass,
@@ -80,7 +81,6 @@ pub use deck::{
     PretensionOf, Solid, Step, Surface,
 };
 pub use model::DeckModel;
-pub use text::Includes;
 pub use write::write;
 
 use super::solid_mesh::SolidMesh;

@@ -5,6 +5,7 @@ use super::mesh::{Defect, SolidMesh};
 use crate::Error;
 use crate::elements::Face;
 use crate::elements::{Corners, Sides};
+use crate::error::known_names;
 use crate::formats::common::Kept;
 use crate::mesh::{Cell, Group};
 use std::collections::{BTreeMap, HashSet};
@@ -31,6 +32,8 @@ pub(in crate::formats) struct Raw {
     pub(in crate::formats) strict_facets: bool,
     pub(in crate::formats) points: Vec<Group<u32>>,
     pub(in crate::formats) notes: Vec<String>,
+    /// Whether a group of nodes is also the surface of all faces whose nodes are in it. Some programs have no other groups.
+    pub(in crate::formats) faces_of_points: bool,
     /// The one integer array of a VTU file.
     pub(in crate::formats) array: Option<String>,
 }
@@ -106,6 +109,19 @@ impl Raw {
                 }
             }
         }
+        if self.faces_of_points {
+            let named: HashSet<&str> = surfaces.iter().map(|group: &Group<Face>| group.name.as_str()).collect();
+            let unnamed = |group: &&Group<u32>| !named.contains(group.name.as_str());
+            let made = faces_within(&self.cells, nodes.len(), self.points.iter().filter(unnamed));
+            if !made.is_empty() {
+                let names: Vec<&str> = made.iter().map(|group| group.name.as_str()).collect();
+                self.notes.push(format!(
+                    "groups of nodes that are also surfaces, of the faces with all their nodes in them: {}",
+                    known_names(names.into_iter())
+                ));
+            }
+            surfaces.extend(made);
+        }
         Ok(SolidMesh {
             nodes,
             labels,
@@ -119,6 +135,34 @@ impl Raw {
             array: self.array,
         })
     }
+}
+
+/// The surfaces of groups of nodes: faces of one cell only that have all their nodes in the group.
+fn faces_within<'g>(cells: &[Cell], n_nodes: usize, groups: impl Iterator<Item = &'g Group<u32>>) -> Vec<Group<Face>> {
+    let mut groups = groups.peekable();
+    if groups.peek().is_none() {
+        return Vec::new();
+    }
+    let boundary = Sides::of(cells).boundary(cells);
+    // Each face is looked for at its first node alone, so that the work is that of the members.
+    let mut at_node = vec![Vec::new(); n_nodes];
+    for (number, (face, _)) in (0_u32..).zip(&boundary) {
+        at_node[face.nodes()[0] as usize].push(number);
+    }
+    let mut is_member = vec![false; n_nodes];
+    let made = groups.filter_map(|group| {
+        group.members.iter().for_each(|node| is_member[*node as usize] = true);
+        let near = group.members.iter().flat_map(|node| &at_node[*node as usize]);
+        let faces = near.map(|number| boundary[*number as usize].0);
+        let within = faces.filter(|face| face.nodes().iter().all(|node| is_member[*node as usize]));
+        let members: Vec<Face> = within.collect();
+        group.members.iter().for_each(|node| is_member[*node as usize] = false);
+        (!members.is_empty()).then(|| Group {
+            name: group.name.clone(),
+            members,
+        })
+    });
+    made.collect()
 }
 
 /// Whether a group has members; if not, this is noted.
