@@ -180,6 +180,14 @@ pub struct Metric {
 }
 
 impl Metric {
+    /// Name of the largest size that passes a hole of this diameter (m); none if the hole is a quarter wider than that.
+    pub fn for_hole(diameter: f64) -> Option<String> {
+        // Holes of meshes have corners, and positions have digits.
+        let passes = |row: &&Row| 1e-3 * row.thread[0] <= diameter * (1.0 + 1e-3);
+        let row = ROWS.iter().rev().find(passes)?;
+        (diameter <= 1.25e-3 * row.thread[0]).then(|| format!("M{}", row.thread[0]))
+    }
+
     /// The size called `M10`, or with a fine pitch `M10x1.25`.
     ///
     /// # Errors

@@ -5,6 +5,7 @@ use super::excited::{excited, require_held};
 use super::facing::{Facing, Surfaces};
 use super::material::material;
 use super::rigid_motions::rigid_motions;
+use super::survey::body_name;
 use super::touching;
 use crate::Error;
 use finite_elements::formats::solid_mesh::SolidMesh;
@@ -21,6 +22,7 @@ use scenes::{
     BoltSeat, ContactStiffness, Length, MeshBolt, MeshFile, MeshInterface, MeshResponse, MeshSupport, Model, Scene,
 };
 use sprs::CsMat;
+use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use zte_assembly::InterfaceMesh;
@@ -45,6 +47,7 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
         source,
         mesh: file,
         boundary: OnceCell::new(),
+        bodies: OnceCell::new(),
     };
     let mut assembly = Assembly {
         mesh: file.solids(model, notes)?,
@@ -194,6 +197,8 @@ struct File<'a> {
     mesh: SolidMesh,
     /// Faces of one cell only, outward, with their cells, once something asks for them.
     boundary: OnceCell<Vec<(Face, u32)>>,
+    /// For each solid the number of its body, once something asks for them.
+    bodies: OnceCell<Vec<u32>>,
 }
 
 impl File<'_> {
@@ -207,6 +212,23 @@ impl File<'_> {
 
     fn boundary(&self) -> &[(Face, u32)] {
         self.boundary.get_or_init(|| self.mesh.boundary())
+    }
+
+    /// The solids of a group, or of a body by its number.
+    fn volume(&self, name: &str) -> Result<Cow<'_, [u32]>, Error> {
+        let unknown = match self.mesh.volume(name) {
+            Ok(cells) => return Ok(cells.into()),
+            Err(unknown) => unknown,
+        };
+        let bodies = self.bodies.get_or_init(|| self.mesh.bodies());
+        let of_body = (0_u32..)
+            .zip(bodies)
+            .filter(|(_, body)| body_name(**body as usize) == name);
+        let cells: Vec<u32> = of_body.map(|(cell, _)| cell).collect();
+        match cells.is_empty() {
+            true => Err(unknown.into()),
+            false => Ok(cells.into()),
+        }
     }
 
     fn label(&self, node: u32) -> String {
@@ -226,7 +248,7 @@ impl File<'_> {
         let mut of_cell = vec![None; self.mesh.cells.len()];
         for (name, material) in &self.source.materials {
             let number = u16::try_from(materials.len()).unwrap_or(u16::MAX);
-            for &cell in self.mesh.volume(name)? {
+            for &cell in &*self.volume(name)? {
                 if of_cell[cell as usize]
                     .replace((number, name))
                     .is_some_and(|(first, _)| first != number)
@@ -546,7 +568,7 @@ impl File<'_> {
             (None, None, Some(volumes)) => {
                 let mut of_cell = vec![None; self.mesh.cells.len()];
                 for (side, volume) in volumes.iter().enumerate() {
-                    for &cell in self.mesh.volume(volume)? {
+                    for &cell in &*self.volume(volume)? {
                         of_cell[cell as usize] = Some(side);
                     }
                 }

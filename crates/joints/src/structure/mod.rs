@@ -21,6 +21,7 @@ mod reduced;
 mod rigid_motions;
 mod spectrum;
 mod surface;
+pub mod survey;
 mod touching;
 
 pub use linear_interface::LinearInterface;

@@ -16,6 +16,7 @@ mod samples;
 mod scene;
 mod schema;
 mod study;
+mod survey;
 mod upgrade;
 mod verify;
 mod view;

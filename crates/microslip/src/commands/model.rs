@@ -1,9 +1,10 @@
-//! `model`: what a scene's structure is, before anything nonlinear.
+//! `model`: what a scene's structure is, before anything nonlinear; or what a mesh holds, without a scene.
 
 use super::defaults::Defaults;
 use super::destination::default_directory;
 use super::resources::Cache;
 use super::scene::SceneArguments;
+use super::survey;
 use crate::files::{self, Overwrite};
 use crate::progress::Monitor;
 use crate::text::print;
@@ -13,6 +14,7 @@ use host::{provenance, results_of};
 use joint_model::Bodies;
 use joint_model::benchmark::Symmetry;
 use joints::progress::Progress;
+use joints::structure::survey::Survey;
 use joints::structure::{Contact, Frequencies, LinearInterface, ModalModel, Structure};
 use reports::Output;
 use reports::bodies::LARGEST_VOLUME;
@@ -57,6 +59,9 @@ pub struct Arguments {
 
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
+    if let Some(file) = arguments.scene.mesh_file() {
+        return print(&survey::text(file, &Survey::of_file(file)?));
+    }
     let given = arguments.scene.read(defaults)?;
     let provenance = provenance::of(given.inputs()?)?;
     let scene = given.scene;

@@ -3,6 +3,7 @@
 use super::defaults::Defaults;
 use anyhow::{Result, bail};
 use finite_elements::formats::abaqus::Includes;
+use finite_elements::formats::solid_mesh::Format;
 use host::{BENCHMARKS, GivenScene};
 use joint_model::Benchmark;
 use scenes::StructureSource;
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// The scene that a command works on.
 #[derive(clap::Args)]
 pub struct SceneArguments {
-    /// Scene file.
+    /// Scene file; of `model` also a mesh or an input deck.
     scene: Option<PathBuf>,
     /// A scene that comes with the program: NAME of a benchmark for its first scene, or NAME/SCENE (`microslip benchmarks` lists them).
     #[arg(long, value_name = "NAME", conflicts_with = "scene")]
@@ -26,6 +27,11 @@ pub struct SceneArguments {
 }
 
 impl SceneArguments {
+    /// What stands in the place of the scene, if it is a mesh or an input deck by its extension.
+    pub fn mesh_file(&self) -> Option<&Path> {
+        self.scene.as_deref().filter(|path| Format::of(path).is_ok())
+    }
+
     /// The scene, in SI, and the file that it is from.
     ///
     /// # Errors

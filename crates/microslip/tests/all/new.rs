@@ -139,3 +139,95 @@ fn structures_with_bolts_on_an_axis_have_mode_shapes() {
     succeeds(&folder, &["model", "bolt.json", "--modes", "3", "--out", "model"]);
     assert!(folder.join("model/report.html").exists());
 }
+
+/// Bulk data of Nastran of two plates of 40 x 40 x 8 mm with a hole of 9 mm, one upon the other, with 16 solids around it.
+fn plates_with_a_hole() -> String {
+    use std::fmt::Write;
+    const AROUND: usize = 16;
+    const OUTWARDS: usize = 3;
+    let mut text = String::from("BEGIN BULK\nMAT1,1,210000.,,.3,7.85-9\nPSOLID,1,1\nPSOLID,2,1\n");
+    let label = |plate: usize, level: usize, out: usize, turn: usize| {
+        1 + ((plate * 2 + level) * (OUTWARDS + 1) + out) * AROUND + turn % AROUND
+    };
+    let mut element = 0;
+    for plate in 0..2 {
+        for level in 0..2 {
+            for out in 0..=OUTWARDS {
+                for turn in 0..AROUND {
+                    let angle = 2.0 * std::f64::consts::PI * turn as f64 / AROUND as f64;
+                    let (sine, cosine) = angle.sin_cos();
+                    let edge = 20.0 / f64::max(sine.abs(), cosine.abs());
+                    let radius = 4.5 + (edge - 4.5) * out as f64 / OUTWARDS as f64;
+                    let (x, y, z) = (radius * cosine, radius * sine, 8.0 * (plate + level) as f64);
+                    writeln!(text, "GRID,{},,{x:.8},{y:.8},{z:.1}", label(plate, level, out, turn)).unwrap();
+                }
+            }
+        }
+        for out in 0..OUTWARDS {
+            for turn in 0..AROUND {
+                let corners = [
+                    (0, out, turn),
+                    (0, out + 1, turn),
+                    (0, out + 1, turn + 1),
+                    (0, out, turn + 1),
+                ];
+                let nodes = corners.iter().map(|&(_, out, turn)| label(plate, 0, out, turn));
+                let above = corners.iter().map(|&(_, out, turn)| label(plate, 1, out, turn));
+                let nodes: Vec<String> = nodes.chain(above).map(|node| node.to_string()).collect();
+                element += 1;
+                writeln!(
+                    text,
+                    "CHEXA,{element},{},{}\n,{}",
+                    plate + 1,
+                    nodes[..6].join(","),
+                    nodes[6..].join(",")
+                )
+                .unwrap();
+            }
+        }
+    }
+    text + "ENDDATA\n"
+}
+
+#[test]
+fn a_mesh_becomes_a_scene_that_runs_once_what_it_cannot_tell_is_given() {
+    let folder = folder("new-from");
+    std::fs::write(folder.join("plates.bdf"), plates_with_a_hole()).unwrap();
+    let said = succeeds(&folder, &["model", "plates.bdf"]);
+    for part in [
+        "`PSOLID=1`: 48 Hex8, from (-20, -20, 0) to (20, 20, 8)",
+        "`PSOLID=2` on `PSOLID=1`: 48 and 48 faces, area 1538.0",
+        "diameter 9, from (0, 0, 16) to (0, 0, 0), through PSOLID=1, PSOLID=2",
+        "E 210000., G -, NU .3, RHO 7.85-9",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    succeeds(&folder, &["new", "--from", "plates.bdf", "--length", "mm", "joint"]);
+    let scene = folder.join("joint/scene.json");
+    let text = std::fs::read_to_string(&scene).unwrap();
+    assert!(
+        text.contains(r#"{"axis":[[0.0,0.0,16.0],[0.0,0.0,0.0]],"size":"M8"}"#),
+        "{text}"
+    );
+    let asked = run(&folder, &["run", "joint/scene.json", "--out", "out"]);
+    assert_eq!(exit_code(&asked), 1);
+    assert!(
+        messages(&asked).contains("interfaces.mu is missing"),
+        "{}",
+        messages(&asked)
+    );
+    std::fs::write(&scene, text.replace("//? ", "")).unwrap();
+    succeeds(&folder, &["run", "joint/scene.json", "--out", "out", "--no-cache"]);
+    let summary = read_json(&folder.join("out/summary.json"));
+    let points = summary["backbone"].as_array().unwrap();
+    assert_eq!(points.len(), 8);
+    assert!(
+        points
+            .iter()
+            .all(|point| point["frequency_hz"].as_f64().unwrap() > 1000.0)
+    );
+    // A second time nothing is overwritten; a unit is asked for, never guessed.
+    let again = run(&folder, &["new", "--from", "plates.bdf", "--length", "mm", "joint"]);
+    assert!(messages(&again).contains("is there already"), "{}", messages(&again));
+    assert_eq!(exit_code(&run(&folder, &["new", "--from", "plates.bdf", "other"])), 2);
+}

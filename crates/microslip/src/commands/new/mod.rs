@@ -1,5 +1,7 @@
 //! `new`: a commented scene to start from, or a structure with the script that makes its mesh.
 
+mod from;
+
 use super::destination::write_new;
 use crate::text::print;
 use anyhow::{Context, Result, bail};
@@ -16,6 +18,12 @@ pub struct Arguments {
     /// flanges), s4 (two C-shaped beams); or with its mesh: bolted-frame (20 laps), chain-of-laps (bars in a row), flange (two rings on pads).
     #[arg(long, value_name = "NAME")]
     benchmark: Option<String>,
+    /// A mesh or input deck to make a scene of: bodies that touch become interfaces, holes in a row bolts.
+    #[arg(long, value_name = "FILE", conflicts_with = "benchmark", requires = "length")]
+    from: Option<PathBuf>,
+    /// Unit of length of that file: m, cm, mm, in or ft.
+    #[arg(long, value_name = "UNIT", requires = "from", value_parser = from::LENGTHS)]
+    length: Option<String>,
     /// Joints of a chain-of-laps, 1 to 200 [default: 4]
     #[arg(long, value_name = "N", requires = "benchmark", value_parser = clap::value_parser!(u16).range(1..=200))]
     joints: Option<u16>,
@@ -64,6 +72,9 @@ const MADE: [&str; 3] = ["bolted-frame", "chain-of-laps", "flange"];
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let directory = &arguments.directory;
+    if let (Some(file), Some(length)) = (&arguments.from, &arguments.length) {
+        return from::run(file, length, directory);
+    }
     let Some(name) = &arguments.benchmark else {
         write_new(directory, &[("scene.json", include_str!("plain.json").as_bytes())])?;
         return print(&format!(
