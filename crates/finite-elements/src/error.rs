@@ -306,7 +306,7 @@ pub enum Error {
         /// What to do.
         remedy: &'static str,
     },
-    /// A mesh file has another format than those that are read.
+    /// A mesh file has another format than those that are read, or cannot be read in one whose places have no numbers.
     #[error("{file}: {problem}; {remedy}")]
     MeshFormat {
         /// File.

@@ -24,6 +24,7 @@ fuzz_target!(|bytes: &[u8]| {
         Format::Nastran,
         Format::Ansys,
         Format::Universal,
+        Format::Exodus,
     ] {
         if let Ok(mesh) = SolidMesh::from_bytes("fuzzed", format, bytes) {
             let _ = (mesh.bodies(), mesh.boundary());

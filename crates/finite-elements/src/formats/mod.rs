@@ -6,6 +6,7 @@
 //! | [`gmsh`] | MSH 4.1 and 2.2 (text, binary) | meshes, materials, lists of faces and nodes |
 //! | [`nastran`] | bulk data of Nastran and Optistruct (`.bdf`, `.nas`, `.fem`) | meshes and groups |
 //! | [`ansys`] | archives of Ansys (`.cdb`) | meshes and components |
+//! | [`exodus`] | Exodus II (`.exo`, `.e`, `.g`) | meshes, blocks and sets |
 //! | [`universal`] | universal files of I-DEAS (`.unv`) | meshes and groups |
 //! | [`vtu`] | VTK unstructured grids (text, base64, appended; zlib) | meshes and surfaces with fields |
 //! | [`solid_mesh`] | any of these | solids and named groups, without materials and units |
@@ -16,6 +17,7 @@
 pub mod abaqus;
 pub mod ansys;
 mod common;
+pub mod exodus;
 pub mod gmsh;
 mod includes;
 mod labelled;

@@ -73,6 +73,36 @@ fn every_element_is_read_as_from_the_mesh_that_it_came_from() {
 }
 
 #[test]
+fn blocks_and_sets_of_exodus_are_read_from_both_kinds_of_netcdf() {
+    for name in ["tet4", "tet10", "wedge15", "hex20", "hex27"] {
+        let file = format!("{name}.exo");
+        let read = mesh(&file);
+        assert_eq!(geometry(&read), geometry(&mesh(&format!("{name}.msh"))), "{file}");
+        let of = |name| volume(&read, read.volume(name).unwrap().iter().copied());
+        // The second block has no name.
+        assert_near(&file, &[of("lower"), of("BLOCK=20")], &[1000.0, 800.0]);
+        let of = |name| area(&read, read.surface(name).unwrap());
+        assert_near(&file, &of("SIDESET=4"), &[0.0, 0.0, 200.0]);
+        assert_near(&file, &of("SIDESET=5"), &[0.0, 0.0, -200.0]);
+        assert!(read.points("NODESET=6").unwrap().len() >= 3, "{file}");
+    }
+    let error = message(SolidMesh::from_bytes("mesh.exo", Format::Exodus, b"CDF\x07"));
+    assert!(
+        error.starts_with("mesh.exo") && error.contains("no netCDF file"),
+        "{error}"
+    );
+    let bytes = std::fs::read(path("tet4.exo")).unwrap();
+    let at = bytes.windows(6).position(|found| found == b"TETRA4").unwrap();
+    let mut pyramids = bytes.clone();
+    pyramids[at..at + 6].copy_from_slice(b"PYRAM5");
+    let error = message(SolidMesh::from_bytes("mesh.exo", Format::Exodus, &pyramids));
+    assert!(
+        error.contains("the block `lower` of elements `PYRAM5` with 4 nodes cannot be read"),
+        "{error}"
+    );
+}
+
+#[test]
 fn small_free_and_large_fields_are_the_same_mesh() {
     let small = mesh("tet4.bdf");
     for name in ["tet4-free.bdf", "tet4-large.bdf"] {
@@ -320,7 +350,7 @@ fn other_extensions_are_told_what_to_do() {
     for (name, part) in [
         ("x.dat", "call it .bdf"),
         ("x.med", "convert it by Gmsh"),
-        ("x.exo", "ParaView"),
+        ("x.xdmf", "ParaView"),
     ] {
         let error = message(SolidMesh::read(&path(name)));
         assert!(error.contains(part), "{name}: {error}");

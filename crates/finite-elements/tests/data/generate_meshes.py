@@ -1,6 +1,6 @@
 """Writes the meshes of this folder: two boxes that touch at z = 5 and share no node.
 
-Needs gmsh 4.15, meshio 5.3, vtk 9.7, pyvista 0.49, mapdl-archive 0.4 and pyNastran 1.4 from PyPI:  python generate_meshes.py
+Needs gmsh 4.15, meshio 5.3, vtk 9.7, pyvista 0.49, mapdl-archive 0.4, pyNastran 1.4 and netCDF4 1.7 from PyPI:  python generate_meshes.py
 `prepomax.inp` is written by hand, in the form in which PrePoMax 2 writes decks.
 """
 import os
@@ -142,6 +142,93 @@ def ansys(name):
     mapdl_archive.save_as_archive(name, grid, include_surface_elements=False)
 
 
+# Gmsh's number of the type: name in Exodus, for each node of Exodus its place in Gmsh, and corners of the sides.
+EXODUS = {
+    4: ("TETRA4", range(4), "0 1 3, 1 2 3, 0 2 3, 0 1 2"),
+    11: ("TETRA10", [0, 1, 2, 3, 4, 5, 6, 7, 9, 8], "0 1 3, 1 2 3, 0 2 3, 0 1 2"),
+    18: ("WEDGE15", [0, 1, 2, 3, 4, 5, 6, 9, 7, 8, 10, 11, 12, 14, 13], "0 1 3 4, 1 2 4 5, 0 2 3 5, 0 1 2, 3 4 5"),
+    17: (
+        "HEX20",
+        [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 10, 12, 14, 15, 16, 18, 19, 17],
+        "0 1 4 5, 1 2 5 6, 2 3 6 7, 0 3 4 7, 0 1 2 3, 4 5 6 7",
+    ),
+    12: (
+        "HEX27",
+        [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 10, 12, 14, 15, 16, 18, 19, 17, 26, 20, 25, 22, 23, 21, 24],
+        "0 1 4 5, 1 2 5 6, 2 3 6 7, 0 3 4 7, 0 1 2 3, 4 5 6 7",
+    ),
+}
+
+
+def exodus(name, form):
+    """Two blocks, the faces at z = 5 as sets of sides, an edge as a set of nodes. VTK must read the middles of edges in the middle."""
+    import netCDF4
+    import numpy
+    from vtkmodules.vtkIOExodus import vtkExodusIIReader
+
+    mesh = gmsh.model.mesh
+    tags, xyz, _ = mesh.getNodes()
+    xyz = xyz.reshape(-1, 3)
+    place = {int(tag): number for number, tag in enumerate(tags)}
+    file = netCDF4.Dataset(name, "w", format=form)
+    file.api_version, file.version, file.floating_point_word_size, file.file_size = 5.1, 5.1, 8, 1
+    file.title = "two boxes"
+    dimensions = {"len_string": 33, "len_name": 33, "num_dim": 3, "num_nodes": len(xyz), "num_el_blk": 2, "num_side_sets": 2, "num_node_sets": 1}
+    for dimension, size in dimensions.items():
+        file.createDimension(dimension, size)
+    for axis, letter in enumerate("xyz"):
+        file.createVariable(f"coord{letter}", "f8", ("num_nodes",))[:] = xyz[:, axis]
+
+    def write(variable, dimension, values):
+        file.createDimension(dimension, len(values))
+        file.createVariable(variable, "i4", (dimension,))[:] = values
+
+    def numbers(variable, dimension, values):
+        made = file.createVariable(variable, "i4", (dimension,))
+        made.setncattr("name", "ID")
+        made[:] = values
+
+    numbers("eb_prop1", "num_el_blk", [10, 20])
+    names = file.createVariable("eb_names", "S1", ("num_el_blk", "len_name"))
+    names[0] = netCDF4.stringtochar(numpy.array(["lower"], "S33"))[0]
+    names[1] = netCDF4.stringtochar(numpy.array([""], "S33"))[0]
+    total, sides = 0, {1: [], 2: []}
+    for block in (1, 2):
+        (volume,) = gmsh.model.getEntitiesForPhysicalGroup(3, block)
+        ((kind,), _, (nodes,)) = mesh.getElements(3, volume)
+        title, order, corners = EXODUS[kind]
+        rows = [[place[int(row[k])] for k in order] for row in nodes.reshape(-1, len(order))]
+        file.createDimension(f"num_el_in_blk{block}", len(rows))
+        file.createDimension(f"num_nod_per_el{block}", len(order))
+        made = file.createVariable(f"connect{block}", "i4", (f"num_el_in_blk{block}", f"num_nod_per_el{block}"))
+        made.elem_type = title
+        made[:] = numpy.array(rows) + 1
+        for row in rows:
+            total += 1
+            for side, of in enumerate(corners.split(","), 1):
+                if all(abs(xyz[row[int(k)]][2] - 5) < 1e-9 for k in of.split()):
+                    sides[block].append((total, side))
+    file.createDimension("num_elem", total)
+    numbers("ss_prop1", "num_side_sets", [4, 5])
+    for block in (1, 2):
+        write(f"elem_ss{block}", f"num_side_ss{block}", [element for element, _ in sides[block]])
+        file.createVariable(f"side_ss{block}", "i4", (f"num_side_ss{block}",))[:] = [side for _, side in sides[block]]
+    numbers("ns_prop1", "num_node_sets", [6])
+    write("node_ns1", "num_nod_ns1", [1 + place[int(tag)] for tag in mesh.getNodesForPhysicalGroup(1, 6)[0]])
+    file.close()
+    reader = vtkExodusIIReader()
+    reader.SetFileName(name)
+    reader.Update()
+    for block in range(2):
+        grid = reader.GetOutput().GetBlock(0).GetBlock(block)
+        for number in range(grid.GetNumberOfCells()):
+            cell = grid.GetCell(number)
+            for edge in (cell.GetEdge(k).GetPoints() for k in range(cell.GetNumberOfEdges())):
+                if edge.GetNumberOfPoints() == 3:
+                    a, b, middle = (numpy.array(edge.GetPoint(k)) for k in range(3))
+                    assert abs(middle - (a + b) / 2).max() < 1e-9, name
+
+
 def nastran(source, target):
     """Nodes in a cylindrical, a spherical and a rectangular system, the last of them about nodes; faces under pressure; supports."""
     from pyNastran.bdf.bdf import BDF
@@ -188,6 +275,8 @@ for name, (order, incomplete, shape) in SHAPES.items():
         write(f"{name}.bdf")
         write(f"{name}.unv")
         ansys(f"{name}.cdb")
+    if name in ("tet4", "tet10", "wedge15", "hex20", "hex27"):
+        exodus(f"{name}.exo", "NETCDF4" if name in ("tet10", "hex20") else "NETCDF3_64BIT_OFFSET")
     if name == "hex20":
         nastran("hex20.bdf", "coordinates.bdf")
     # meshio keeps the first of several groups of a cell, and does not know wedges of 15 nodes.

@@ -6,6 +6,7 @@
 //! | Abaqus and CalculiX (`.inp`) | `ELSET` of solids | `*SURFACE` of element faces; `ELSET` of shells, membranes, plane and rigid elements on faces of solids | `NSET`; `*SURFACE` of nodes; `ELSET` of trusses and beams |
 //! | Nastran and Optistruct (`.bdf`, `.nas`, `.fem`) | `PSOLID=N` | `PSHELL=N`, `PLOAD4=N`, `BSURFS=N` | `SPC=N`, `SET=N`, `RBE2=N`, `CBAR=N` |
 //! | Ansys archives (`.cdb`) | components of elements, `MAT=N`, `TYPE=N` | components of shell, contact and target elements, `TYPE=N` | components of nodes |
+//! | Exodus II (`.exo`, `.e`, `.g`) | blocks | side sets, blocks of shells | node sets |
 //! | Universal files (`.unv`) | groups of elements, `PROPERTY=N` | the same, of shells | groups of nodes |
 //! | VTK (`.vtu`) | integer cell arrays, `ARRAY=VALUE` | the same, of two-dimensional cells | the same, of points and lines |
 //!
@@ -26,7 +27,7 @@ mod raw;
 pub use mesh::SolidMesh;
 pub(super) use raw::{Raw, Side};
 
-use super::{abaqus, ansys, gmsh, nastran, universal, vtu};
+use super::{abaqus, ansys, exodus, gmsh, nastran, universal, vtu};
 use crate::Error;
 use std::path::{Path, PathBuf};
 
@@ -43,6 +44,8 @@ pub enum Format {
     Nastran,
     /// Archives of Ansys Mechanical APDL (`.cdb`).
     Ansys,
+    /// Exodus II (`.exo`, `.e`, `.g`).
+    Exodus,
     /// Universal files of I-DEAS (`.unv`).
     Universal,
 }
@@ -72,6 +75,7 @@ impl Format {
             "bdf" | "nas" | "fem" => Ok(Self::Nastran),
             "cdb" => Ok(Self::Ansys),
             "unv" => Ok(Self::Universal),
+            "exo" | "e" | "g" => Ok(Self::Exodus),
             "dat" => refuse(
                 "several programs write files `.dat`".into(),
                 "call it .bdf if it is bulk data of Nastran, .cdb if it is an input of Ansys",
@@ -80,7 +84,7 @@ impl Format {
                 format!("files `.{extension}` are not read"),
                 "convert it by Gmsh: gmsh IN -save -format msh41 -o OUT.msh",
             ),
-            "vtk" | "pvtu" | "vtm" | "vtkhdf" | "xdmf" | "e" | "exo" => refuse(
+            "vtk" | "pvtu" | "vtm" | "vtkhdf" | "xdmf" => refuse(
                 format!("files `.{extension}` are not read"),
                 "save it as one unstructured grid (.vtu) by ParaView",
             ),
@@ -90,7 +94,7 @@ impl Format {
             ),
             _ => refuse(
                 "the extension is not that of a mesh".into(),
-                "give a mesh of Gmsh (.msh), Abaqus or CalculiX (.inp), Nastran (.bdf), Ansys (.cdb), I-DEAS (.unv) or VTK (.vtu)",
+                "give a mesh of Gmsh (.msh), Abaqus or CalculiX (.inp), Nastran (.bdf), Ansys (.cdb), I-DEAS (.unv), Exodus (.exo) or VTK (.vtu)",
             ),
         }
     }
@@ -140,6 +144,7 @@ impl SolidMesh {
             Format::Vtu => vtu::solid_mesh(file, bytes),
             Format::Nastran => nastran::solid_mesh(file, bytes),
             Format::Ansys => ansys::solid_mesh(file, bytes),
+            Format::Exodus => exodus::solid_mesh(file, bytes),
             Format::Universal => universal::solid_mesh(file, bytes),
         }
     }
