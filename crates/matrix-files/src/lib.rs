@@ -8,6 +8,8 @@
 //! | [`abaqus`] | `.mtx` of `*SUBSTRUCTURE MATRIX OUTPUT` and `*MATRIX OUTPUT` |
 //! | [`archive`] | members of any ZIP archive |
 //! | [`calculix`] | `.sti`, `.mas`, `.dof` of `*FREQUENCY, SOLVER=MATRIXSTORAGE` |
+//! | [`dmig`] | entries `DMIG` of Nastran's punch and bulk data files |
+//! | [`op4`] | `.op4` of Nastran's `OUTPUT4`, text and binary |
 //!
 //! Numbers are passed on as they stand, in the units of the file. Readers refuse what is not finite (but for
 //! measurements), out of range, given twice or asymmetric where symmetry is stated; memory stays within a fixed
@@ -17,10 +19,12 @@
 pub mod abaqus;
 pub mod archive;
 pub mod calculix;
+pub mod dmig;
 mod error;
 pub mod mat;
 pub mod matrix_market;
 pub mod npz;
+pub mod op4;
 mod text;
 mod triplets;
 pub mod value;

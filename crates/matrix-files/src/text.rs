@@ -21,6 +21,14 @@ pub(crate) struct Line<'a> {
 
 /// All lines, trimmed.
 pub(crate) fn lines<'a>(source: Source<'a>) -> impl Iterator<Item = Line<'a>> {
+    indented_lines(source).map(|line| Line {
+        text: line.text.trim_ascii_start(),
+        ..line
+    })
+}
+
+/// All lines with the blanks ahead, for layouts in columns.
+pub(crate) fn indented_lines<'a>(source: Source<'a>) -> impl Iterator<Item = Line<'a>> {
     source
         .bytes
         .split(|b| *b == b'\n')
@@ -28,7 +36,7 @@ pub(crate) fn lines<'a>(source: Source<'a>) -> impl Iterator<Item = Line<'a>> {
         .map(move |(text, number)| Line {
             file: source.name,
             number,
-            text: text.trim_ascii(),
+            text: text.trim_ascii_end(),
         })
 }
 

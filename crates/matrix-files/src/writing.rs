@@ -40,3 +40,13 @@ pub(crate) fn unwritable(name: &str, reason: impl Into<String>, remedy: &'static
         remedy,
     }
 }
+
+/// What [`is_nastran_name`] asks for.
+pub(crate) const NASTRAN_NAME: &str = "begin with a letter and use letters and digits, 8 at most";
+
+/// Whether Nastran allows the name of a matrix.
+pub(crate) fn is_nastran_name(name: &str) -> bool {
+    (1..=8).contains(&name.len())
+        && name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(|c| c.is_ascii_alphanumeric())
+}

@@ -3,13 +3,15 @@
 
 use libfuzzer_sys::fuzz_target;
 use file_io::Source;
-use matrix_files::{abaqus, calculix, mat, matrix_market, npz};
+use matrix_files::{abaqus, calculix, dmig, mat, matrix_market, npz, op4};
 
 fuzz_target!(|bytes: &[u8]| {
     let source = Source { name: "fuzzed", bytes };
     let _ = mat::parse(source);
     let _ = npz::parse(source);
     let _ = matrix_market::parse(source);
+    let _ = op4::parse(source);
+    let _ = dmig::parse(source);
     let _ = abaqus::parse_substructure(source);
     let _ = abaqus::parse_assembled(&[("STIFFNESS", source)]);
     let dofs = Source {
