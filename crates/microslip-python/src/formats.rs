@@ -15,7 +15,7 @@ use joint_model::benchmark::Symmetry;
 use joints::structure::Structure;
 use joints::structure::export::arrays;
 use matrix_files::value::{Array, Assembled, Collection, Dense, Dof};
-use matrix_files::{abaqus, calculix, mat, matrix_market, npz};
+use matrix_files::{abaqus, calculix, dmig, mat, matrix_market, npz, op4};
 use numpy::npyffi::NPY_ORDER;
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
@@ -56,6 +56,17 @@ fn collection(path: &Path) -> Result<Collection, Exception> {
     Ok(match extension(path).as_str() {
         "npz" => npz::read(path)?,
         "mat" => mat::read(path)?,
+        "op4" => op4::read(path)?,
+        "pch" | "bdf" | "dat" => {
+            let found = dmig::read(path)?;
+            let matrices = found.matrices.into_iter().chain(found.numbered);
+            let mut arrays: BTreeMap<String, Array> = matrices.map(|(name, m)| (name, Array::Sparse(m))).collect();
+            arrays.extend([of_dofs(&found.dofs)]);
+            Collection {
+                arrays,
+                skipped: found.skipped,
+            }
+        }
         "sti" | "mas" | "dof" => assembled(calculix::read(path)?),
         "mtx" | "mm" => {
             let bytes =
@@ -79,7 +90,7 @@ fn collection(path: &Path) -> Result<Collection, Exception> {
             }
         }
         other => {
-            let remedy = "give a file that ends with .npz, .mat, .mtx or .sti";
+            let remedy = "give a file that ends with .npz, .mat, .mtx, .sti, .op4, .pch, .bdf or .dat";
             return Err(input(format!("matrices are not read from `.{other}`; {remedy}")).of("path", remedy));
         }
     })
@@ -194,6 +205,7 @@ pub(crate) fn write_matrices(
         let bytes = match (extension(&path).as_str(), arrays.first_key_value()) {
             ("npz", _) => npz::to_bytes(&arrays)?,
             ("mat", _) => mat::to_bytes(&arrays)?,
+            ("op4", _) => op4::to_bytes(&arrays)?,
             ("mtx", Some((_, only))) if arrays.len() == 1 => matrix_market::to_bytes(only)?,
             ("mtx", _) => {
                 let remedy = "write each into a file of its own";
@@ -204,7 +216,7 @@ pub(crate) fn write_matrices(
                 return Err(input(found).of("arrays", remedy));
             }
             (other, _) => {
-                let remedy = "it must end with .npz, .mat or .mtx";
+                let remedy = "it must end with .npz, .mat, .mtx or .op4";
                 return Err(input(format!("matrices are not written as `.{other}`; {remedy}")).of("path", remedy));
             }
         };

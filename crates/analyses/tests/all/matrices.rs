@@ -12,10 +12,11 @@ use joint_model::benchmark::RefinementLevel;
 use joints::Options;
 use joints::interface::SceneInterface;
 use joints::progress::Silent;
-use joints::structure::export::{arrays, groups};
+use joints::structure::export::{ABOUT_POINTS, arrays, groups, point_matrices, with_short_names};
 use joints::structure::{StructuralModel, Structure, export};
+use matrix_files::dmig::{self, PointMatrices};
 use matrix_files::value::{Array, Assembled, Dense, Dof};
-use matrix_files::{abaqus, calculix, mat, matrix_market, npz};
+use matrix_files::{abaqus, calculix, mat, matrix_market, npz, op4};
 use scenes::{BenchmarkRef, Coordinates, Length, MaterialSource, Scene, Sides, StructureSource, Surface};
 use serde_json::{Value, json};
 use sprs::CsMat;
@@ -174,7 +175,22 @@ fn matrices_run_from_every_format_and_in_every_order_and_unit() {
     let bytes = abaqus::substructure_to_bytes(&substructure).unwrap();
     std::fs::write(folder.join("abaqus.mtx"), bytes).unwrap();
 
+    let mut named = written(1.0);
+    // Capitals do not matter; what has another name is not needed.
+    named.insert("KX".into(), Array::Integers(Dense::default()));
+    std::fs::write(folder.join("si.op4"), op4::to_bytes(&named).unwrap()).unwrap();
+    let points = PointMatrices {
+        dofs: dofs.clone(),
+        matrices: [("KAAX", stiffness), ("MAAX", mass)]
+            .map(|(name, matrix)| (name.to_owned(), matrix.clone()))
+            .into(),
+        ..PointMatrices::default()
+    };
+    std::fs::write(folder.join("si.pch"), dmig::to_bytes(&points, "").unwrap()).unwrap();
+
     let runs = [
+        ("op4", go(&lap(&folder.join("si.op4"), 1.0, &json!({})))),
+        ("pch", go(&lap(&folder.join("si.pch"), 1.0, &json!({})))),
         ("npz", go(&lap(&folder.join("si.npz"), 1.0, &json!({})))),
         ("mat", go(&lap(&folder.join("mm.mat"), 1e-3, &json!({})))),
         ("Abaqus", go(&scene)),
@@ -187,7 +203,7 @@ fn matrices_run_from_every_format_and_in_every_order_and_unit() {
 }
 
 /// Writes a reduced model in all formats; returns the paths.
-fn export(scene: &Scene, folder: &Path) -> (BTreeMap<String, Array>, [PathBuf; 3]) {
+fn export(scene: &Scene, folder: &Path) -> (BTreeMap<String, Array>, [PathBuf; 4]) {
     let structure = Structure::try_new(scene, &Silent).unwrap();
     let model = structure.reduce(&Options::default(), &Silent).unwrap();
     let arrays = arrays(&model, &structure.joint).unwrap();
@@ -195,15 +211,30 @@ fn export(scene: &Scene, folder: &Path) -> (BTreeMap<String, Array>, [PathBuf; 3
         folder.join("reduced.npz"),
         folder.join("reduced.mat"),
         folder.join("mtx"),
+        folder.join("reduced.op4"),
     ];
     std::fs::write(&paths[0], npz::to_bytes(&arrays).unwrap()).unwrap();
     std::fs::write(&paths[1], mat::to_bytes(&arrays).unwrap()).unwrap();
+    let short = with_short_names(arrays.clone());
+    std::fs::write(&paths[3], op4::to_bytes(&short).unwrap()).unwrap();
     std::fs::create_dir_all(&paths[2]).unwrap();
     for (name, array) in arrays.iter().filter(|(_, array)| !matches!(array, Array::Text(_))) {
         let bytes = matrix_market::to_bytes(array).unwrap();
         std::fs::write(paths[2].join(format!("{name}.mtx")), bytes).unwrap();
     }
     (arrays, paths)
+}
+
+/// The mesh of the interface as a scene gives it.
+fn plane(arrays: &BTreeMap<String, Array>) -> Value {
+    let (Array::Dense(nodes), Array::Integers(elements)) = (&arrays["interface_nodes"], &arrays["interface_elements"])
+    else {
+        panic!("a mesh")
+    };
+    let nodes: Vec<[f64; 2]> = (0..nodes.rows()).map(|i| [nodes[(i, 0)], nodes[(i, 1)]]).collect();
+    let corners = |i: usize| (0..elements.columns()).map(move |j| elements[(i, j)]);
+    let elements: Vec<Vec<i64>> = (0..elements.rows()).map(|i| corners(i).collect()).collect();
+    json!({ "nodes": nodes, "elements": elements })
 }
 
 /// A scene on matrices over the jump, with all else from another one.
@@ -227,6 +258,17 @@ fn exported_models_come_back_the_same() {
             let [omega, zeta] = difference(&direct, &again);
             assert!(omega < 1e-9 && zeta < 1e-6, "{}: {omega:e} {zeta:e}", path.display());
         }
+        // As entries DMIG, which have no place for the mesh of the interface.
+        let path = folder.join("reduced.pch");
+        let points = point_matrices(&arrays);
+        assert!(points.dofs.iter().all(|dof| matches!(dof, Dof::Nodal { .. })));
+        std::fs::write(&path, dmig::to_bytes(&points, ABOUT_POINTS).unwrap()).unwrap();
+        let mut on_points = on_jump(&scene, &path);
+        on_points["structure"]["matrices"]["interface"] = plane(&arrays);
+        let again = go(&on_points);
+        let [omega, zeta] = difference(&direct, &again);
+        assert!(omega < 1e-9 && zeta < 1e-6, "DMIG: {omega:e} {zeta:e}");
+
         // In coordinates x with q = L x, as null-space projections give them.
         let (n, q) = match &arrays["K"] {
             Array::Dense(k) => (k.rows(), |k: &Array| match k {

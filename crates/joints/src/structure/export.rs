@@ -1,11 +1,13 @@
 //! Models for other programs: reduced ones as named arrays, meshes as input decks and mesh files.
 
 use super::StructuralModel;
+use super::matrix_contents::{from_dense, short_name};
 use faer::{Mat, MatRef};
 use finite_elements::formats::abaqus::Includes;
 use finite_elements::mesh::{Dof as Component, Face, Group};
 use joint_model::{Joint, MeshedBodies, Sides};
 use matrix_files::Error;
+use matrix_files::dmig::PointMatrices;
 use matrix_files::value::{Array, Dense, Dof};
 use scenes::{Length, Units};
 use std::collections::BTreeMap;
@@ -83,6 +85,55 @@ pub fn arrays(model: &StructuralModel, joint: &Joint) -> Result<BTreeMap<String,
         arrays.remove("Fv");
     }
     Ok(arrays)
+}
+
+/// What the matrices of [`point_matrices`] are.
+pub const ABOUT_POINTS: &str = "\
+Reduced model of two bodies joined by an interface; SI units.
+K, M: stiffness and mass without contact. FV: a column per bolt, the
+generalised force of unit tension. R: a column per response, which is
+the product of it with the coordinates.
+Grid point k, component 1, 2, 3: displacement of the top body less that
+of the bottom one at interface node k, the third being the normal from
+the top body into the bottom one, so that a positive value closes the
+interface. Scalar points, which follow the grid points: modes with the
+interface stuck.
+The points must be defined by the model that includes this file.
+";
+
+/// Arrays as files of Nastran's `OUTPUT4` hold them: without text, with names in capitals, `INTNODES` and `INTELEMS`.
+pub fn with_short_names(arrays: BTreeMap<String, Array>) -> BTreeMap<String, Array> {
+    let numbers = arrays.into_iter().filter(|(_, array)| !matches!(array, Array::Text(_)));
+    numbers.map(|(name, array)| (short_name(&name), array)).collect()
+}
+
+/// What entries `DMIG` can hold of the [`arrays`]: `K`, `M`, `FV` and the transpose of `R`. Mode `m` becomes the scalar
+/// point `m` after the last node.
+pub fn point_matrices(arrays: &BTreeMap<String, Array>) -> PointMatrices {
+    let matrix = |name: &str| match arrays.get(name) {
+        Some(Array::Dense(matrix)) => Some(from_dense(matrix)),
+        _ => None,
+    };
+    let dofs = match arrays.get("dofs") {
+        Some(Array::Integers(table)) => Dof::from_table(table).unwrap_or_default(),
+        _ => Vec::new(),
+    };
+    let last = dofs.iter().map(Dof::label).max().unwrap_or(0).max(0);
+    let point = |dof: &Dof| match *dof {
+        Dof::Generalised { label, .. } => Dof::new(last - label, 0),
+        nodal @ Dof::Nodal { .. } => nodal,
+    };
+    let named = |name: &str, matrix: Option<_>| matrix.map(|matrix| (name.to_owned(), matrix));
+    let recovery = matrix("R").map(|rows| rows.transpose_view().to_csr());
+    PointMatrices {
+        dofs: dofs.iter().map(point).collect(),
+        matrices: ["K", "M"].iter().filter_map(|name| named(name, matrix(name))).collect(),
+        numbered: [named("FV", matrix("Fv")), named("R", recovery)]
+            .into_iter()
+            .flatten()
+            .collect(),
+        skipped: Vec::new(),
+    }
 }
 
 /// Name of the top side of the interface in mesh files, and of the bottom side.

@@ -2,8 +2,8 @@
 
 use crate::Error;
 use finite_elements::sparse::symmetric_part;
-use matrix_files::value::{Array, Collection, Dense, Dof};
-use matrix_files::{abaqus, calculix, mat, matrix_market, npz};
+use matrix_files::value::{Array, Collection, Dense, Dof, Skipped};
+use matrix_files::{abaqus, calculix, dmig, mat, matrix_market, npz, op4};
 use scenes::PlaneMesh;
 use sprs::{CsMat, TriMat};
 use std::collections::BTreeMap;
@@ -21,6 +21,13 @@ const ARRAYS: [&str; 9] = [
     "interface_nodes",
     "interface_elements",
 ];
+
+/// Names of arrays in files of Nastran, which allow eight characters and tell no capitals apart.
+const SHORT_NAMES: [(&str, &str); 2] = [("interface_nodes", "INTNODES"), ("interface_elements", "INTELEMS")];
+
+/// Names of stiffness and mass among entries `DMIG`; the later ones are those that Nastran gives external superelements.
+const POINT_STIFFNESS: [&str; 2] = ["K", "KAAX"];
+const POINT_MASS: [&str; 2] = ["M", "MAAX"];
 
 /// Asymmetry relative to the diagonal that is taken for round-off.
 const ROUND_OFF: f64 = 1e-6;
@@ -61,6 +68,12 @@ fn array_file(folder: &Path, name: &str) -> PathBuf {
     folder.join(format!("{name}.mtx"))
 }
 
+/// The name of an array in files of Nastran.
+pub(super) fn short_name(name: &str) -> String {
+    let short = SHORT_NAMES.iter().find(|(long, _)| *long == name);
+    short.map_or_else(|| name.to_ascii_uppercase(), |(_, short)| (*short).to_owned())
+}
+
 /// The file or folder of a scene.
 pub(super) struct File<'a> {
     pub(super) path: &'a Path,
@@ -90,16 +103,38 @@ impl File<'_> {
         match extension.as_deref() {
             Some("npz") => self.named(npz::read(path)?, notes),
             Some("mat") => self.named(mat::read(path)?, notes),
+            Some("op4") => {
+                let mut found = op4::read(path)?;
+                for name in ARRAYS {
+                    let short = short_name(name);
+                    let stored = found.arrays.keys().find(|stored| stored.eq_ignore_ascii_case(&short));
+                    if let Some(array) = stored.cloned().and_then(|stored| found.arrays.remove(&stored)) {
+                        found.arrays.insert(name.into(), array);
+                    }
+                }
+                self.named(found, notes)
+            }
+            Some("pch" | "bdf" | "dat") => {
+                let found = dmig::read(path)?;
+                self.skipped(&found.skipped, notes);
+                let [mut square, mut numbered] = [found.matrices, found.numbered];
+                let mut first = |names: [&str; 2]| names.iter().find_map(|name| square.remove(*name));
+                let (stiffness, mass) = (first(POINT_STIFFNESS), first(POINT_MASS));
+                let mut by_rows = |name| numbered.remove(name).map(|m| m.transpose_view().to_csr());
+                let (loads, recovery) = (by_rows("FV"), by_rows("R"));
+                self.not_needed(square.keys().chain(numbered.keys()), notes);
+                Ok(Contents {
+                    dofs: found.dofs,
+                    stiffness,
+                    mass,
+                    loads,
+                    recovery,
+                    ..Contents::default()
+                })
+            }
             Some("mtx") => {
                 let mut found = abaqus::read_substructure(path)?;
-                for skipped in &found.skipped {
-                    notes(&format!(
-                        "{}: {} is not read: {}",
-                        path.display(),
-                        skipped.name,
-                        skipped.reason
-                    ));
-                }
+                self.skipped(&found.skipped, notes);
                 let mut matrix = |name: &str| found.matrices.remove(name).map(|matrix| from_dense(&matrix));
                 Ok(Contents {
                     stiffness: matrix("STIFFNESS"),
@@ -119,20 +154,27 @@ impl File<'_> {
                     ..Contents::default()
                 })
             }
-            _ => Err(self.fail("it is neither a folder nor a file with the extension npz, mat, mtx or sti")),
+            _ => Err(self
+                .fail("it is neither a folder nor a file with the extension npz, mat, mtx, sti, op4, pch, bdf or dat")),
+        }
+    }
+
+    fn skipped(&self, skipped: &[Skipped], notes: &mut dyn FnMut(&str)) {
+        for Skipped { name, reason } in skipped {
+            notes(&format!("{}: {name} is not read: {reason}", self.path.display()));
+        }
+    }
+
+    fn not_needed<'n>(&self, names: impl Iterator<Item = &'n String>, notes: &mut dyn FnMut(&str)) {
+        let names: Vec<&str> = names.map(String::as_str).collect();
+        if !names.is_empty() {
+            notes(&format!("{}: not needed: {}", self.path.display(), names.join(", ")));
         }
     }
 
     /// From named arrays, or those of the one structure that has them as fields.
     fn named(&self, mut found: Collection, notes: &mut dyn FnMut(&str)) -> Result<Contents, Error> {
-        for skipped in &found.skipped {
-            notes(&format!(
-                "{}: {} is not read: {}",
-                self.path.display(),
-                skipped.name,
-                skipped.reason
-            ));
-        }
+        self.skipped(&found.skipped, notes);
         let owners: Vec<String> = found
             .arrays
             .keys()
@@ -149,10 +191,7 @@ impl File<'_> {
         let (dofs, mesh) = (take("dofs"), (take("interface_nodes"), take("interface_elements")));
         let [stiffness, mass, lift, frame] = ["K", "M", "L", "frame"].map(|name| take(name).map(|array| (name, array)));
         let (loads, recovery) = (take("Fv"), take("R"));
-        if !found.arrays.is_empty() {
-            let names: Vec<&str> = found.arrays.keys().map(String::as_str).collect();
-            notes(&format!("{}: not needed: {}", self.path.display(), names.join(", ")));
-        }
+        self.not_needed(found.arrays.keys(), notes);
         let dofs = dofs.ok_or_else(|| {
             self.fail(
                 "it has no map of degrees of freedom: add an array `dofs` with a row `label, component` for each coordinate (or \
@@ -282,7 +321,7 @@ impl File<'_> {
 }
 
 /// Without the zeros.
-fn from_dense(matrix: &Dense<f64>) -> CsMat<f64> {
+pub(super) fn from_dense(matrix: &Dense<f64>) -> CsMat<f64> {
     let mut entries = TriMat::new((matrix.rows(), matrix.columns()));
     for i in 0..matrix.rows() {
         for j in (0..matrix.columns()).filter(|&j| matrix[(i, j)] != 0.0) {

@@ -131,12 +131,13 @@ enum Current {
 struct Reader {
     /// Places of matrices.
     names: BTreeMap<String, usize>,
-    matrices: Vec<Matrix>,
+    matrices: Vec<(String, Matrix)>,
     entry: Current,
     others: BTreeMap<[u8; 8], usize>,
 }
 
 /// A matrix as it stands; a point and its component are one number.
+#[derive(Default)]
 struct Matrix {
     /// First line.
     line: usize,
@@ -180,18 +181,19 @@ impl Reader {
         if !writing::is_nastran_name(&text) {
             return Err(line.malformed(quoted(name), "a name of up to eight letters and digits"));
         }
-        let found = *self.names.entry(text).or_insert(self.matrices.len());
+        let found = self.names.get(&text).copied().unwrap_or(self.matrices.len());
         if found == self.matrices.len() {
-            self.matrices.push(Matrix {
-                line: line.number,
-                form: None,
-                n_columns: None,
-                columns: BTreeSet::new(),
-                n_entries: 0,
-                terms: Vec::new(),
-            });
+            self.names.insert(text.clone(), found);
+            let line = line.number;
+            self.matrices.push((
+                text,
+                Matrix {
+                    line,
+                    ..Matrix::default()
+                },
+            ));
         }
-        let matrix = &mut self.matrices[found];
+        let (_, matrix) = &mut self.matrices[found];
         if line.integer::<u64>(point, "0 or a point")? > 0 {
             if !fourth.is_empty() {
                 return Err(line.malformed(quoted(fourth), "an empty field after the component of a column"));
@@ -236,7 +238,7 @@ impl Reader {
                 }
                 if !fourth.is_empty() {
                     let n_columns: usize = line.integer(fourth, "the number of columns NCOL")?;
-                    self.matrices[matrix].n_columns = Some(n_columns);
+                    self.matrices[matrix].1.n_columns = Some(n_columns);
                 }
                 self.entry = Current::Complete;
             }
@@ -244,7 +246,7 @@ impl Reader {
                 if !fourth.is_empty() && line.real(fourth)? != 0.0 {
                     return Err(line.unsupported("an imaginary part", "write real matrices"));
                 }
-                self.matrices[matrix].terms.push(Entry {
+                self.matrices[matrix].1.terms.push(Entry {
                     row: key(line, first, second)?,
                     column,
                     value: line.real(third)?,
@@ -258,7 +260,7 @@ impl Reader {
 
     fn finish(self, source: Source<'_>, skipped: Vec<Skipped>) -> Result<PointMatrices, Error> {
         let mut keys: Vec<usize> = Vec::new();
-        for matrix in &self.matrices {
+        for (_, matrix) in &self.matrices {
             keys.extend(matrix.terms.iter().map(|term| term.row));
             if matrix.form != Some(9) {
                 keys.extend(&matrix.columns);
@@ -290,11 +292,7 @@ impl Reader {
         let n = keys.len();
         // Every row is in the list.
         let place = |key: usize| keys.partition_point(|k| *k < key);
-        let mut matrices: Vec<Option<Matrix>> = self.matrices.into_iter().map(Some).collect();
-        for (name, at) in self.names {
-            let Some(mut matrix) = matrices[at].take() else {
-                continue;
-            };
+        for (name, mut matrix) in self.matrices {
             let first = Line {
                 file: source.name,
                 number: matrix.line,

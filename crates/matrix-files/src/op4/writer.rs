@@ -7,8 +7,9 @@ use sprs::CsMat;
 use crate::value::{Array, Dense};
 use crate::{Error, writing};
 
-/// Form of square, rectangular and symmetric matrices.
-const FORMS: [i32; 3] = [1, 2, 6];
+const SQUARE: i32 = 1;
+const RECTANGULAR: i32 = 2;
+const SYMMETRIC: i32 = 6;
 
 /// Type of real numbers in double precision.
 const DOUBLE: i32 = 2;
@@ -98,11 +99,10 @@ fn sparse(out: &mut Vec<u8>, name: &str, m: &CsMat<f64>) -> Option<()> {
 }
 
 fn head(out: &mut Vec<u8>, name: &str, [rows, columns]: [usize; 2], is_symmetric: bool, is_sparse: bool) -> Option<()> {
-    let [square, rectangular, symmetric] = FORMS;
     let form = match rows == columns {
-        true if is_symmetric => symmetric,
-        true => square,
-        false => rectangular,
+        true if is_symmetric => SYMMETRIC,
+        true => SQUARE,
+        false => RECTANGULAR,
     };
     let rows = i32::try_from(rows).ok()?;
     let numbers = [

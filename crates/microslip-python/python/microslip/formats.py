@@ -29,6 +29,8 @@ def read_matrices(path: str | os.PathLike[str]) -> dict[str, Any]:
     ``.mat``      MATLAB and Octave (``-v6``, ``-v7``)
     ``.mtx``      Matrix Market; ``*SUBSTRUCTURE MATRIX OUTPUT`` and ``*MATRIX OUTPUT`` of Abaqus
     ``.sti``      CalculiX, with ``.mas`` and ``.dof`` beside it
+    ``.op4``      ``OUTPUT4`` of Nastran
+    ``.pch``      entries ``DMIG`` of Nastran, also in ``.bdf`` and ``.dat``
     ============  =========================================================================================
 
     Returns
@@ -76,7 +78,7 @@ def write_matrices(path: str | os.PathLike[str], arrays: Mapping[str, Any]) -> N
     Parameters
     ----------
     path : path-like
-        The file; ``.npz``, ``.mat`` (level 5), or ``.mtx`` (Matrix Market, one array). It is replaced.
+        The file; ``.npz``, ``.mat`` (level 5), ``.op4`` (no texts), or ``.mtx`` (Matrix Market, one array). It is replaced.
     arrays : mapping
         By name: arrays of at most two dimensions (vectors become columns), sparse matrices of SciPy, and texts. Whole numbers
         stay whole.

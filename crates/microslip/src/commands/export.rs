@@ -14,9 +14,9 @@ use host::results_of;
 use joint_model::Bodies;
 use joint_model::benchmark::{RefinementLevel, Symmetry};
 use joints::structure::Structure;
-use joints::structure::export::{ABOUT, arrays, deck, groups};
+use joints::structure::export::{ABOUT, ABOUT_POINTS, arrays, deck, groups, point_matrices, with_short_names};
 use matrix_files::value::Array;
-use matrix_files::{mat, matrix_market, npz};
+use matrix_files::{dmig, mat, matrix_market, npz, op4};
 use reports::Output;
 use scenes::{Gap, MaterialSource, Scene, StructureSource, Surface};
 use std::path::{Path, PathBuf};
@@ -46,6 +46,10 @@ enum Format {
     Mat,
     /// Matrix Market.
     Mtx,
+    /// Nastran's OUTPUT4 (binary), names in capitals.
+    Op4,
+    /// Entries DMIG of Nastran: mass, stiffness, loads and responses between grid points and scalar points.
+    Dmig,
     /// The mesh with its connections as an input deck for Abaqus and CalculiX, and a scene that runs on it.
     Inp,
     /// The mesh and the sides of its interface for Gmsh (4.1).
@@ -60,6 +64,8 @@ impl Format {
             Self::Npz => "npz",
             Self::Mat => "mat",
             Self::Mtx => "mtx",
+            Self::Op4 => "op4",
+            Self::Dmig => "dmig",
             Self::Inp => "inp",
             Self::Msh => "msh",
             Self::Vtu => "vtu",
@@ -107,13 +113,22 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
                 numbers => Ok(Output::new(format!("{name}.mtx"), matrix_market::to_bytes(numbers)?)),
             })
             .collect::<Result<Vec<_>>>()?,
+        Format::Op4 => vec![Output::new(
+            "reduced.op4",
+            op4::to_bytes(&with_short_names(reduced()?))?,
+        )],
+        Format::Dmig => vec![Output::new(
+            "reduced.pch",
+            dmig::to_bytes(&point_matrices(&reduced()?), ABOUT_POINTS)?,
+        )],
         Format::Inp | Format::Msh | Format::Vtu => mesh(&scene, &structure, arguments.format)?,
     };
     monitor.finish();
     files::publish(folder, &outputs)?;
     let names: Vec<&str> = outputs.iter().map(|o| o.name.as_str()).collect();
     let about = match arguments.format {
-        Format::Npz | Format::Mat | Format::Mtx => ABOUT,
+        Format::Npz | Format::Mat | Format::Mtx | Format::Op4 => ABOUT,
+        Format::Dmig => ABOUT_POINTS,
         Format::Inp | Format::Msh | Format::Vtu => "",
     };
     print(&format!(
