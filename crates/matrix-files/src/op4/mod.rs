@@ -44,9 +44,9 @@ pub fn read(path: &Path) -> Result<Collection, Error> {
 /// order with words of 32 or 64 bits, single and double precision.
 ///
 /// [`Array::Dense`] if all columns are dense, and not so many zeros are left out that the matrix would take much more
-/// room than the file; else [`Array::Sparse`]. Entries come as they stand: programs state matrices as symmetric (form 6) that are so but for
-/// round-off. A diagonal (form 3) that is stored as a vector becomes a square matrix, and so does an identity (form 8)
-/// without columns.
+/// room than the file; else [`Array::Sparse`]. Entries come as they stand: programs state matrices as symmetric (form 6)
+/// that are so but for round-off. A diagonal (form 3) that is stored as a vector becomes a square matrix, and so does an
+/// identity (form 8) without columns.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for complex matrices, forms beyond 8 and symmetric matrices of which one triangle is given;
