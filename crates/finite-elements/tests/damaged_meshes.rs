@@ -50,9 +50,9 @@ fn damaged_files_are_read_or_refused_within_bounds() {
             b"    -1\n",
         ],
     );
-    // MUTATIONS is the number of damaged copies of each file.
-    let copies = std::env::var("MUTATIONS").map_or(400, |count| {
-        count.parse().unwrap_or_else(|_| panic!("MUTATIONS={count}"))
+    // DAMAGED_COPIES is the number of damaged copies of each file.
+    let copies = std::env::var("DAMAGED_COPIES").map_or(400, |count| {
+        count.parse().unwrap_or_else(|_| panic!("DAMAGED_COPIES={count}"))
     });
     for name in FILES {
         let sound = std::fs::read(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));

@@ -3,7 +3,7 @@
 //! | module | files |
 //! |---|---|
 //! | [`matrix_market`] | `.mtx`, `.mm`: one matrix as text |
-//! | [`mat`] | `.mat`, level 5 (`-v6`, `-v7`) |
+//! | [`mat`] | `.mat`, level 5 (`-v6`, `-v7`) and HDF5 (`-v7.3`) |
 //! | [`npz`] | `.npz`, with sparse matrices as `scipy.sparse.save_npz` lays them out; `.npy` |
 //! | [`abaqus`] | `.mtx` of `*SUBSTRUCTURE MATRIX OUTPUT` and `*MATRIX OUTPUT` |
 //! | [`archive`] | members of any ZIP archive |

@@ -117,9 +117,10 @@ fn damaged_files_are_answered_within_bounds() {
     // have.
     const LITTLE: usize = 1 << 12;
     const SPARSE: usize = (1 << 18) + 2 * 8 * (1 << 20);
-    let files: [(&str, Vec<u8>, usize, usize, Reader); 31] = [
+    let files: [(&str, Vec<u8>, usize, usize, Reader); 32] = [
         ("plain.mat", fixture("plain.mat"), PLAIN, SPARSE, matlab),
         ("compressed.mat", fixture("compressed.mat"), COMPRESSED, SPARSE, matlab),
+        ("v73.mat", fixture("v73.mat"), COMPRESSED, SPARSE, matlab),
         ("octave_v6.mat", fixture("octave_v6.mat"), PLAIN, SPARSE, matlab),
         ("plain.npz", fixture("plain.npz"), PLAIN, SPARSE, numpy),
         ("compressed.npz", fixture("compressed.npz"), COMPRESSED, SPARSE, numpy),
@@ -194,8 +195,8 @@ fn damaged_files_are_answered_within_bounds() {
         &[24, 0, 0, 0],
     ];
     let mut damage = Damage::new(5, &fragments);
-    // More copies by `MATRIX_FILES_COPIES=1000000`.
-    let copies = std::env::var("MATRIX_FILES_COPIES").map_or(3000, |copies| copies.parse().unwrap());
+    // More copies by `DAMAGED_COPIES=1000000`.
+    let copies = std::env::var("DAMAGED_COPIES").map_or(3000, |copies| copies.parse().unwrap());
     for (name, sound, factor, base, read) in files {
         let sample = Sample {
             name,

@@ -3,9 +3,10 @@
 //!
 //! Layout: *MAT-File Format*, The MathWorks. A header of 128 bytes, then elements: a tag with type and size, the data,
 //! and padding to eight bytes. An array is an element of elements: flags, dimensions, name, data. Files of `-v7.3` are
-//! HDF5 and refused.
+//! HDF5, and read too.
 
 mod elements;
+mod hdf5;
 mod layout;
 mod writer;
 
@@ -40,6 +41,10 @@ pub fn read(path: &Path) -> Result<Collection, Error> {
 /// [`Error::Unsupported`] for other levels of the format, [`Error::Malformed`], [`Error::Oversized`],
 /// [`Error::OutOfRange`], [`Error::NotFinite`].
 pub fn parse(source: Source<'_>) -> Result<Collection, Error> {
+    const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+    if source.bytes.starts_with(HDF5) || source.bytes.get(512..520) == Some(HDF5) {
+        return hdf5::parse(source);
+    }
     let big = byte_order(source)?;
     let mut file = View {
         file: source.name,
@@ -78,7 +83,6 @@ pub fn parse(source: Source<'_>) -> Result<Collection, Error> {
 
 /// Whether numbers are stored with the highest byte first.
 fn byte_order(source: Source<'_>) -> Result<bool, Error> {
-    const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
     let bytes = source.bytes;
     let unsupported = |found: &str, remedy| Error::Unsupported {
         file: source.name.into(),
@@ -86,12 +90,6 @@ fn byte_order(source: Source<'_>) -> Result<bool, Error> {
         found: found.into(),
         remedy,
     };
-    if bytes.starts_with(HDF5) || bytes.starts_with(b"MATLAB 7.3") || bytes.get(512..520) == Some(HDF5) {
-        return Err(unsupported(
-            "a file of version 7.3 (HDF5)",
-            "save it with `save(name, '-v7')`",
-        ));
-    }
     let level = bytes.get(124..128);
     match level {
         Some([0, 1, b'I', b'M']) => Ok(false),
