@@ -26,7 +26,7 @@ def read_matrices(path: str | os.PathLike[str]) -> dict[str, Any]:
 
     ============  =========================================================================================
     ``.npz``      NumPy, with sparse matrices as ``scipy.sparse.save_npz`` writes them
-    ``.mat``      MATLAB and Octave (``-v6``, ``-v7``)
+    ``.mat``      MATLAB and Octave (``-v6``, ``-v7``, ``-v7.3``)
     ``.mtx``      Matrix Market; ``*SUBSTRUCTURE MATRIX OUTPUT`` and ``*MATRIX OUTPUT`` of Abaqus
     ``.sti``      CalculiX, with ``.mas`` and ``.dof`` beside it
     ``.op4``      ``OUTPUT4`` of Nastran
