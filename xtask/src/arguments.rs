@@ -18,6 +18,8 @@ pub enum Validation {
     Extremes(Extremes),
     /// Compute what the documents quote, and record it with date and commit: an hour and more.
     Validate(Validate),
+    /// Make what people without Rust need: program, Python package, documents and checksums.
+    Dist(Dist),
 }
 
 /// Arguments of `validate`.
@@ -143,6 +145,23 @@ pub struct Extremes {
     pub only: Vec<String>,
     /// Folder for extremes.json, made if missing.
     #[arg(long, value_name = "DIR", default_value = "results/extremes")]
+    pub out: PathBuf,
+    /// Whether results of something else are replaced.
+    #[command(flatten)]
+    pub overwrite: Overwrite,
+}
+
+/// Arguments of `dist`.
+#[derive(clap::Args)]
+pub struct Dist {
+    /// Only what needs no compilation: manual pages, completions, licences, list of components and text of the release.
+    #[arg(long)]
+    pub only_text: bool,
+    /// First check that every crate can be published, as far as that can be known without doing so: minutes.
+    #[arg(long, conflicts_with = "only_text")]
+    pub packages: bool,
+    /// Folder for the files, made if missing.
+    #[arg(long, value_name = "DIR", default_value = "results/dist")]
     pub out: PathBuf,
     /// Whether results of something else are replaced.
     #[command(flatten)]

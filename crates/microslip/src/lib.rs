@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod check;
+pub mod cli;
 pub mod commands;
 pub mod files;
 pub mod progress;

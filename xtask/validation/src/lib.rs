@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod bench;
+pub mod dist;
 mod elements;
 pub mod extremes;
 pub mod paper;

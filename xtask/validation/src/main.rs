@@ -4,7 +4,7 @@ mod layering;
 mod modules;
 
 use clap::{Parser, Subcommand};
-use commands::{bench, extremes, paper, trade, validate};
+use commands::{bench, dist, extremes, paper, trade, validate};
 use microslip::Outcome;
 use std::process::ExitCode;
 use xtask::arguments::Validation;
@@ -35,6 +35,7 @@ fn main() -> ExitCode {
         Task::Validation(Validation::Bench(arguments)) => bench::run(&arguments).map(success),
         Task::Validation(Validation::Extremes(arguments)) => extremes::run(&arguments).map(success),
         Task::Validation(Validation::Validate(arguments)) => validate::run_all(&arguments, &defaults()),
+        Task::Validation(Validation::Dist(arguments)) => dist::run(&arguments).map(success),
         Task::CheckLayering => layering::check().map(success),
         Task::Brb(arguments) => brb::run(&arguments, &defaults()),
     })

@@ -3,6 +3,7 @@
 #[path = "../../../../crates/microslip/tests/all/common/mod.rs"]
 mod common;
 
+mod dist;
 mod documents;
 mod extremes;
 mod layering;
