@@ -480,7 +480,7 @@ pub enum DeckProblem {
         first: String,
     },
     /// A set or surface holds nothing.
-    #[error("{what} `{name}` is empty; fill it, or remove its uses")]
+    #[error("{what} `{name}` is empty; fill it, or remove it with its uses")]
     Empty {
         /// Kind of thing.
         what: &'static str,

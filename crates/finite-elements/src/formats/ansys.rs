@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `NBLOCK` | nodes |
 //! | `EBLOCK` | elements, with and without `SOLID` |
-//! | `ET`, `*SET` | types of elements, also by the parameters that Workbench uses |
+//! | `ET`, `ETBLOCK`, `*SET` | types of elements, also by the parameters that Workbench uses |
 //! | `CMBLOCK` | components of nodes and of elements |
 //! | `MPDATA` | a note says what the file gives for each material |
 //!
@@ -94,6 +94,17 @@ impl<'a> Reader<'a> {
                                 .syntax(at, "ET with the number of a type and an element", line));
                         }
                     }
+                }
+                "ETBLOCK" => {
+                    let Columns { integers, .. } = self.columns()?;
+                    while let Some(line) = self.text.lines.get(self.at).filter(|line| line.trim() != "-1") {
+                        match self.integers(self.at, integers)?[..] {
+                            [number, element, ..] => drop(self.types.insert(number, element)),
+                            _ => return Err(self.text.syntax(self.at, "the number of a type and an element", line)),
+                        }
+                        self.at += 1;
+                    }
+                    self.at += 1;
                 }
                 "NBLOCK" => self.nodes()?,
                 "EBLOCK" => {
@@ -274,7 +285,7 @@ impl<'a> Reader<'a> {
             let element = known.ok_or_else(|| {
                 self.text.contents(
                     at as u32,
-                    format!("element {label} has the type {element_type}, which no ET command defines"),
+                    format!("element {label} has the type {element_type}, which no ET or ETBLOCK defines"),
                     "write the archive with its element types (CDWRITE, DB)",
                 )
             })?;
@@ -395,7 +406,7 @@ fn columns(line: &str) -> Option<Columns> {
         reals: (0, 0),
     };
     for part in inner.split(',') {
-        let letter = part.find(['i', 'e', 'f', 'g'])?;
+        let letter = part.find(['i', 'e', 'f', 'g', 'a'])?;
         let width = part[letter + 1..].split('.').next()?;
         let found = (part[..letter].parse().ok()?, width.parse().ok()?);
         // Lines are not longer than a few hundred characters.
@@ -404,6 +415,7 @@ fn columns(line: &str) -> Option<Columns> {
         }
         match &part[letter..=letter] {
             "i" => columns.integers = found,
+            "a" => {}
             _ => columns.reals = found,
         }
     }

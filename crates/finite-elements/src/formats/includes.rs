@@ -18,11 +18,18 @@ pub enum Includes {
     Anywhere,
 }
 
+/// What is said of files outside the folder of a deck, and of a mesh.
+const OUTSIDE: &str =
+    "it is outside the folder of the deck; move it there, or allow files elsewhere (--allow-includes-outside)";
+const OUTSIDE_OF_MESH: &str = "it is outside the folder of the mesh; move it there";
+
 /// What a deck may still include, and what it is including.
 pub(super) struct Open {
     /// Folder of the deck.
     root: PathBuf,
     includes: Includes,
+    /// What is said of files outside the folder.
+    outside: &'static str,
     /// The file itself and those that include it.
     files: Vec<PathBuf>,
     /// Bytes that all files together may still have.
@@ -45,10 +52,21 @@ impl Open {
         let open = Self {
             root: canonical.parent().map(Path::to_owned).unwrap_or_default(),
             includes,
+            outside: OUTSIDE,
             left: limit - bytes.len() as u64,
             files: vec![canonical],
         };
         Ok((open, bytes))
+    }
+
+    /// Opens a mesh, which may include files of its folder and below.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(super) fn mesh(path: &Path) -> Result<(Self, Vec<u8>), Error> {
+        let (open, bytes) = Self::new(path, Includes::BelowTheDeck, file_io::input::Kind::Deck.limit())?;
+        let outside = OUTSIDE_OF_MESH;
+        Ok((Self { outside, ..open }, bytes))
     }
 
     /// The file that is being read.
@@ -63,8 +81,7 @@ impl Open {
 
     /// The bytes of the next file, and whether it is outside the folder of the deck; or why it is not taken.
     pub(super) fn include(&mut self, input: &str, count: usize) -> Result<(Vec<u8>, bool), String> {
-        let outside = "it is outside the folder of the deck; move it there, or allow files elsewhere \
-                       (--allow-includes-outside)";
+        let outside = self.outside;
         let folder = self.current().parent().unwrap_or(Path::new(""));
         let path = folder.join(input);
         let allowed = |path: &Path| self.includes == Includes::Anywhere || path.starts_with(&self.root);

@@ -236,6 +236,10 @@ impl<'a> Reader<'a> {
             self.at += 1;
             let group = self.mesh.group(name);
             self.members(group, count)?;
+            // Salome writes an empty line for the members of an empty group.
+            if count == 0 && self.line().trim().is_empty() && self.at < self.text.lines.len() {
+                self.at += 1;
+            }
         }
         Ok(())
     }

@@ -73,6 +73,24 @@ fn every_element_is_read_as_from_the_mesh_that_it_came_from() {
 }
 
 #[test]
+fn mirrored_solids_of_every_type_keep_their_middle_nodes() {
+    for (name, _) in SHAPES.into_iter().filter(|(name, _)| *name != "hex27") {
+        let upside_down: String = text(&format!("{name}.bdf"))
+            .lines()
+            .map(|line| match line.starts_with("GRID") {
+                false => format!("{line}\n"),
+                true => format!("{}{:>8.4}\n", &line[..40], -line[40..].trim().parse::<f64>().unwrap()),
+            })
+            .collect();
+        let read = parse(Format::Nastran, &upside_down).unwrap();
+        assert!(read.notes.iter().any(|note| note.contains("mirrored order")), "{name}");
+        let of = |name| volume(&read, read.volume(name).unwrap().iter().copied());
+        assert_near(name, &[of("PSOLID=1"), of("PSOLID=2")], &[1000.0, 800.0]);
+        assert_middles(name, &read);
+    }
+}
+
+#[test]
 fn blocks_and_sets_of_exodus_are_read_from_both_kinds_of_netcdf() {
     for name in ["tet4", "tet10", "wedge15", "hex20", "hex27"] {
         let file = format!("{name}.exo");
@@ -277,7 +295,7 @@ fn collapsed_hexahedra_of_ansys_are_wedges_and_tetrahedra() {
     let error = message(parse(Format::Ansys, &unknown));
     assert!(error.contains("element 1 of type 226 cannot be read"), "{error}");
     let error = message(parse(Format::Ansys, &unknown.replace("ET,kind", "ET,7")));
-    assert!(error.contains("the type 1, which no ET command defines"), "{error}");
+    assert!(error.contains("the type 1, which no ET or ETBLOCK defines"), "{error}");
 }
 
 #[test]
@@ -296,6 +314,46 @@ fn blocks_without_solid_are_facets_with_the_type_of_their_second_column() {
     );
     let with_contact = parse(Format::Ansys, &format!("{whole}{block}")).unwrap();
     assert_eq!(with_contact.surface("TYPE=9").unwrap(), [face]);
+}
+
+#[test]
+fn types_in_a_block_and_byte_order_marks_and_tabs_are_read() {
+    let whole = text("hex8.cdb");
+    let types: Vec<&str> = whole.lines().filter(|line| line.starts_with("ET,")).collect();
+    let block = "ETBLOCK,        2,        2\n(2i9,19a9)\n        3      185        0        0\n        1      186        0\n       -1\n";
+    let without = types
+        .iter()
+        .skip(1)
+        .fold(whole.clone(), |text, line| with(&text, &format!("{line}\n"), ""));
+    let read = parse(Format::Ansys, &with(&without, &format!("{}\n", types[0]), block)).unwrap();
+    assert_eq!(read.cells, mesh("hex8.cdb").cells);
+
+    let small = text("hex8.bdf");
+    let tabbed: String = small
+        .lines()
+        .map(|line| match line.starts_with("GRID") {
+            false => format!("{line}\n"),
+            true => {
+                let fields: Vec<&str> = line
+                    .as_bytes()
+                    .chunks(8)
+                    .map(|f| str::from_utf8(f).unwrap().trim())
+                    .collect();
+                // A field of eight characters ends where the next one begins.
+                let fields = fields
+                    .iter()
+                    .map(|f| format!("{f}{}", if f.len() < 8 { "\t" } else { "" }));
+                fields.collect::<String>() + "\n"
+            }
+        })
+        .collect();
+    assert_eq!(parse(Format::Nastran, &tabbed).unwrap().nodes, mesh("hex8.bdf").nodes);
+    let marked = format!("\u{feff}{}", text("hex8.inp"));
+    assert_eq!(parse(Format::Abaqus, &marked).unwrap().nodes, mesh("hex8.inp").nodes);
+
+    let groups = "    -1\n  2467\n         9         0         0         0         0         0         0         0\nnothing\n\n    -1\n";
+    let read = parse(Format::Universal, &format!("{}{groups}", text("hex8.unv"))).unwrap();
+    assert_eq!(read.volumes, mesh("hex8.unv").volumes);
 }
 
 #[test]

@@ -401,8 +401,8 @@ fn gmsh_files_that_cannot_be_read_are_refused_with_the_place_and_a_remedy() {
     for (old, new, expected) in [
         (
             "4.1 0 8",
-            "2.1 0 8",
-            "line 2: MSH version `2.1` cannot be read; save as version 4.1",
+            "3 0 8",
+            "line 2: MSH version `3` cannot be read; save as version 4.1",
         ),
         (
             "4.1 0 8",

@@ -133,7 +133,10 @@ impl Facing {
         }
         let along = Vector3::from(surfaces.along);
         let Some(first) = (along - normal * along.dot(&normal)).try_normalize(1e-6 * along.norm()) else {
-            return fail("the direction along the interface is perpendicular to it".into());
+            return fail(format!(
+                "its first direction `along` {:?} is perpendicular to it; give one that lies in it",
+                surfaces.along
+            ));
         };
         let second = normal.cross(&first);
         let frame = [first, second, normal];

@@ -27,7 +27,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use zte_assembly::InterfaceMesh;
 
-/// How far apart tied faces may be by default, relative to the longest edge of the master.
+/// How far apart faces that are tied or touch may be by default, relative to the longest edge (of the master).
 const TIE_REACH: f64 = 0.05;
 
 /// Room between the parts of an interface in their common plane, relative to the extent of the widest one.
@@ -118,7 +118,7 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
                 bottom: &named.bottom,
                 along: named.interface.along,
                 pair_tolerance: None,
-                within: named.interface.within.map(Length::si),
+                within: named.interface.within.map(Length::si).or(raised.map(|_| named.reach)),
                 // Faces of a mesh that stays as it is have their own.
                 order: raised.map_or(ElementOrder::Linear, |_| ElementOrder::Quadratic),
                 label: &label,
@@ -176,6 +176,8 @@ struct Named<'a> {
     index: usize,
     top: Vec<Face>,
     bottom: Vec<Face>,
+    /// How far they may be apart by default (m): elements that are made quadratic have shorter edges.
+    reach: f64,
 }
 
 impl Named<'_> {
@@ -556,6 +558,7 @@ impl File<'_> {
             name,
             interface,
             index: number - 1,
+            reach: TIE_REACH * self.longest_edge(&top).max(self.longest_edge(&bottom)),
             top,
             bottom,
         };

@@ -27,9 +27,12 @@ const SAME_RADIUS: f64 = 0.3;
 /// Least length of the mean normal of faces that look one way.
 const FLAT: f64 = 0.7;
 
-/// Least width of the widest body around a bolt, relative to its hole: a wider hole is a bore. Rules for distances to edges
-/// ask for 2.4.
+/// Least width of a body around a hole in its middle, relative to the hole: a wider hole is a bore. Rules for distances to
+/// edges ask for 2.4.
 const LEAST_WIDTH: f64 = 2.2;
+
+/// How far from the middle of a body a hole is in its middle, relative to the body's width.
+const MIDDLE: f64 = 0.05;
 
 /// Most bodies among which faces that touch are looked for.
 const MOST_BODIES: usize = 1000;
@@ -388,11 +391,15 @@ fn hole(nodes: &[[f64; 3]], body: usize, faces: &[(&Face, Vector3<f64>)]) -> Opt
     })
 }
 
-/// Whether a body is so wide across a bolt that its hole is not a bore.
+/// Whether a hole is no bore of a body: the body is wide around it, or elsewhere.
 fn has_room(body: &Body, bolt: &ProposedBolt) -> bool {
     let along = (Vector3::from(bolt.axis[1]) - Vector3::from(bolt.axis[0])).iamax();
     let mut across = (0..3).filter(|axis| *axis != along);
-    across.all(|axis| body.high[axis] - body.low[axis] >= LEAST_WIDTH * bolt.diameter)
+    across.any(|axis| {
+        let width = body.high[axis] - body.low[axis];
+        let off = bolt.axis[0][axis] - 0.5 * (body.high[axis] + body.low[axis]);
+        width >= LEAST_WIDTH * bolt.diameter || off.abs() > MIDDLE * width
+    })
 }
 
 /// The body that holds the middle of an axis: the box of one of its solids does.

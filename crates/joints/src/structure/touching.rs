@@ -30,8 +30,10 @@ pub(super) fn patches(coordinates: &[[f64; 3]], bodies: &[Vec<Face>; 2], within:
             .collect::<Vec<_>>()
     });
     let [first, second] = &seen;
-    let size = second
+    // With cells as large as the longest face none has a part in many of them.
+    let size = first
         .iter()
+        .chain(second)
         .map(|face| face.longest)
         .fold(0.0, f64::max)
         .max(within.unwrap_or(0.0));

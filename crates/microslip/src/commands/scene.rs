@@ -3,7 +3,6 @@
 use super::defaults::Defaults;
 use anyhow::{Result, bail};
 use finite_elements::formats::abaqus::Includes;
-use finite_elements::formats::solid_mesh::Format;
 use host::{BENCHMARKS, GivenScene};
 use joint_model::Benchmark;
 use scenes::StructureSource;
@@ -27,9 +26,13 @@ pub struct SceneArguments {
 }
 
 impl SceneArguments {
-    /// What stands in the place of the scene, if it is a mesh or an input deck by its extension.
+    /// What stands in the place of the scene, if its extension is not that of a scene: a mesh or an input deck.
     pub fn mesh_file(&self) -> Option<&Path> {
-        self.scene.as_deref().filter(|path| Format::of(path).is_ok())
+        let is_scene = |path: &&Path| {
+            let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+            ["", "json", "jsonc", "json5"].iter().any(|known| extension == *known)
+        };
+        self.scene.as_deref().filter(|path| !is_scene(path))
     }
 
     /// The scene, in SI, and the file that it is from.

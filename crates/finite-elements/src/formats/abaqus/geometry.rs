@@ -589,6 +589,12 @@ impl Reader<'_> {
                 return Ok(());
             }
         }
+        if count == 0 && self.extent == Extent::Mesh {
+            self.deck
+                .notes
+                .push(format!("the surface `{}` is empty", excerpt(text)));
+            return Ok(());
+        }
         if count == 0 {
             let (what, name) = ("surface", excerpt(text));
             return Err(self.error(block.at, DeckProblem::Empty { what, name }));

@@ -117,8 +117,7 @@ pub fn parse(text: &str, name: &str) -> Result<Deck, Error> {
 
 /// The solids, sets and surfaces of a deck and the files that it includes.
 pub(super) fn solid_mesh_of_file(path: &Path) -> Result<SolidMesh, Error> {
-    let limit = file_io::input::Kind::Deck.limit();
-    mesh_of(&text::Source::from_file(path, Includes::BelowTheDeck, limit)?)
+    mesh_of(&text::Source::mesh_from_file(path)?)
 }
 
 /// The solids, sets and surfaces of a deck without includes.

@@ -36,9 +36,17 @@ impl Source {
         Ok(source)
     }
 
-    /// The deck may have `limit` bytes with all that it includes.
+    /// A deck, which may have `limit` bytes with all that it includes.
     pub(super) fn from_file(path: &Path, includes: Includes, limit: u64) -> Result<Self, Error> {
-        let (mut open, bytes) = Open::new(path, includes, limit)?;
+        Self::opened(path, Open::new(path, includes, limit)?)
+    }
+
+    /// A deck of which only the mesh is read.
+    pub(super) fn mesh_from_file(path: &Path) -> Result<Self, Error> {
+        Self::opened(path, Open::mesh(path)?)
+    }
+
+    fn opened(path: &Path, (mut open, bytes): (Open, Vec<u8>)) -> Result<Self, Error> {
         let mut source = Self::empty();
         source.paths.push(open.current().to_owned());
         source.append_file(&file_name(path), bytes, false, &mut open)?;
@@ -83,7 +91,7 @@ impl Source {
         let file = self.files.len() as u32;
         self.files.push(name.to_owned());
         self.outside.push(outside);
-        for (number, line) in text.lines().enumerate() {
+        for (number, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
             let line = line.trim();
             let at = Line {
                 file,

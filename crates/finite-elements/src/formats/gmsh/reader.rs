@@ -259,7 +259,8 @@ impl<'a> Reader<'a> {
         };
         self.version = match version {
             "4.1" => Version::Msh41,
-            "2.2" => Version::Msh22,
+            // Versions 2, 2.0 and 2.1 differ in their names alone, which are refused where they have no dimension.
+            "2" | "2.0" | "2.1" | "2.2" => Version::Msh22,
             _ => {
                 return Err(self.unsupported(
                     at,

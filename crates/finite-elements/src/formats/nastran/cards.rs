@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::error::Position;
 use crate::formats::common::quoted;
-use crate::formats::includes::{Includes, Open, file_name};
+use crate::formats::includes::{Open, file_name};
 use crate::formats::lines::real;
 use std::path::{Path, PathBuf};
 
@@ -39,8 +39,8 @@ impl Source {
         Ok(source)
     }
 
-    pub(super) fn from_file(path: &Path, includes: Includes, limit: u64) -> Result<Self, Error> {
-        let (mut open, bytes) = Open::new(path, includes, limit)?;
+    pub(super) fn from_file(path: &Path) -> Result<Self, Error> {
+        let (mut open, bytes) = Open::mesh(path)?;
         let mut source = Self::empty();
         source.paths.push(open.current().to_owned());
         source.append_file(&file_name(path), &bytes, &mut open)?;
@@ -83,12 +83,12 @@ impl Source {
         self.files.push(name.to_owned());
         // Comments may be in any old encoding; nothing else needs more than ASCII.
         let text = String::from_utf8_lossy(bytes);
-        for (number, line) in (1..).zip(text.lines()) {
+        for (number, line) in (1..).zip(text.trim_start_matches('\u{feff}').lines()) {
             let line = line.trim_end();
             if line.is_empty() {
                 continue;
             }
-            self.text.push_str(line);
+            push_without_tabs(&mut self.text, line);
             self.lines.push((self.text.len(), file, number));
             if line.get(..7).is_some_and(|word| word.eq_ignore_ascii_case("INCLUDE")) {
                 let input = line[7..].trim().trim_matches(['\'', '"']).to_owned();
@@ -209,9 +209,9 @@ impl Source {
         if !data.is_ascii() {
             return Err(self.syntax(at, "plain letters, digits and signs", data));
         }
-        let is_continuation = data.starts_with([' ', '\t', '+', '*', ',']);
+        let is_continuation = data.starts_with([' ', '+', '*', ',']);
         if let Some(comma) = data.find(',')
-            && (comma <= 8 || !data[..8].contains([' ', '\t']))
+            && (comma <= 8 || !data[..8].contains(' '))
         {
             let mut fields: Vec<&str> = data.split(',').map(str::trim).collect();
             let name = fields.remove(0);
@@ -234,13 +234,6 @@ impl Source {
                 fields,
             });
         }
-        if data.contains('\t') {
-            return Err(self.unsupported(
-                at,
-                "a line with tabs".into(),
-                "write it with blanks or with commas between the fields",
-            ));
-        }
         let head = data[..8.min(data.len())].trim();
         let is_large = head.ends_with('*') || data.starts_with('*');
         let (count, width) = if is_large { (4, 16) } else { (8, 8) };
@@ -261,6 +254,21 @@ impl Source {
             },
             fields,
         })
+    }
+}
+
+/// Adds a line in which tabs go on to the next field of eight characters.
+fn push_without_tabs(text: &mut String, line: &str) {
+    let start = text.len();
+    for part in line.split_inclusive('\t') {
+        match part.strip_suffix('\t') {
+            None => text.push_str(part),
+            Some(part) => {
+                text.push_str(part);
+                let column = text.len() - start;
+                text.extend(std::iter::repeat_n(' ', 8 - column % 8));
+            }
+        }
     }
 }
 

@@ -21,7 +21,6 @@ mod cards;
 mod solid;
 mod systems;
 
-use super::includes::Includes;
 use super::solid_mesh::SolidMesh;
 use crate::Error;
 use cards::Source;
@@ -29,7 +28,7 @@ use std::path::{Path, PathBuf};
 
 /// The mesh of a file and all that it includes from its folder and below.
 pub(super) fn solid_mesh_of_file(path: &Path) -> Result<SolidMesh, Error> {
-    solid::read(&source(path)?)
+    solid::read(&Source::from_file(path)?)
 }
 
 /// The mesh of a file without includes.
@@ -39,9 +38,5 @@ pub(super) fn solid_mesh(file: &str, bytes: &[u8]) -> Result<SolidMesh, Error> {
 
 /// The file and those that it includes.
 pub(super) fn files(path: &Path) -> Result<Vec<PathBuf>, Error> {
-    Ok(source(path)?.paths)
-}
-
-fn source(path: &Path) -> Result<Source, Error> {
-    Source::from_file(path, Includes::BelowTheDeck, file_io::input::Kind::Deck.limit())
+    Ok(Source::from_file(path)?.paths)
 }

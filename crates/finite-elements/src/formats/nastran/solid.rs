@@ -177,10 +177,11 @@ impl Reader<'_> {
                     }
                 }
             }
-            "SET1" => {
-                let nodes = card.list(source, 1, source.last() as usize)?;
-                self.nodes_of("SET", card.field(0), nodes);
-            }
+            // A set may also be of elements, or of what the file does not have.
+            "SET1" => match card.list(source, 1, source.last() as usize) {
+                Ok(nodes) => self.nodes_of("SET", card.field(0), nodes),
+                Err(_) => self.count(card),
+            },
             "PLOAD4" => self.face(card)?,
             "BSURFS" => {
                 let group = self.mesh.group(format!("BSURFS={}", card.field(0)));

@@ -8,8 +8,9 @@ use rayon::prelude::*;
 /// How many cells a message names.
 const NAMED: usize = 5;
 
-/// Refuses cells that use a node twice, that are listed twice, or that are inverted.
-pub(super) fn check(file: &str, nodes: &[[f64; 3]], cells: &[Cell], labels: &[u64]) -> Result<(), Error> {
+/// Refuses cells that use a node twice, that are listed twice, or that are inverted; returns those that are listed in mirrored
+/// order.
+pub(super) fn check(file: &str, nodes: &[[f64; 3]], cells: &[Cell], labels: &[u64]) -> Result<Vec<usize>, Error> {
     let refuse = |found: &[usize], problem: &'static str, remedy: &'static str| match found {
         [] => Ok(()),
         _ => Err(Error::MeshCells {
@@ -33,6 +34,21 @@ pub(super) fn check(file: &str, nodes: &[[f64; 3]], cells: &[Cell], labels: &[u6
         "have the same corners as another solid",
         "the part is meshed or saved twice: delete one of the two",
     )?;
+    let orientations = orientations(nodes, cells);
+    let all = |wanted: Orientation| -> Vec<usize> {
+        let found = orientations.iter().enumerate().filter(|(_, found)| **found == wanted);
+        found.map(|(number, _)| number).collect()
+    };
+    refuse(
+        &all(Orientation::Inverted),
+        "are inverted or flat: the Jacobian determinant is not positive at all integration points",
+        "improve the mesh there (smaller elements, Mesh.HighOrderOptimize in Gmsh, or straight edges)",
+    )?;
+    Ok(all(Orientation::Mirrored))
+}
+
+/// Which way the nodes of each cell are listed.
+fn orientations(nodes: &[[f64; 3]], cells: &[Cell]) -> Vec<Orientation> {
     let checks: Vec<(&ElementType, JacobianCheck)> = ELEMENT_TYPES
         .into_iter()
         .map(|row| (row, JacobianCheck::new(row)))
@@ -47,21 +63,21 @@ pub(super) fn check(file: &str, nodes: &[[f64; 3]], cells: &[Cell], labels: &[u6
             check.orientation(&x[..cell.nodes().len()])
         })
     };
-    let orientations: Vec<Orientation> = cells.par_iter().map(orientation).collect();
-    let all = |wanted: Orientation| -> Vec<usize> {
-        let found = orientations.iter().enumerate().filter(|(_, found)| **found == wanted);
-        found.map(|(number, _)| number).collect()
-    };
-    refuse(
-        &all(Orientation::Mirrored),
-        "have a negative volume: their nodes are listed in mirrored order",
-        "mirror the nodes of each cell, or save the mesh by the program that made it",
-    )?;
-    refuse(
-        &all(Orientation::Inverted),
-        "are inverted or flat: the Jacobian determinant is not positive at all integration points",
-        "improve the mesh there (smaller elements, Mesh.HighOrderOptimize in Gmsh, or straight edges)",
-    )
+    cells.par_iter().map(orientation).collect()
+}
+
+/// The same cell with its nodes in the order of its mirror image.
+pub(super) fn mirrored(cell: &Cell) -> Cell {
+    let row = cell.element_type();
+    let nodes = cell.nodes();
+    // Every reference shape is its own image with the first two natural coordinates exchanged.
+    let image = row.nodes.iter().enumerate().map(|(local, x)| {
+        let is_image = |y: &[f64; 3]| *y == [x[1], x[0], x[2]];
+        nodes[row.nodes.iter().position(is_image).unwrap_or(local)]
+    });
+    let mut mirrored = Cell::of_type(row, &image.collect::<Vec<u32>>());
+    mirrored.set_formulation(cell.formulation());
+    mirrored
 }
 
 /// `1, 2, 3 and 7 more`.

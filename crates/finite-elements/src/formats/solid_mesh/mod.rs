@@ -17,8 +17,8 @@
 //! facets are there to name things: they are no part of the structure. In the files of Nastran, Ansys and I-DEAS a group of nodes
 //! is also a surface: the faces of the outside that have all their nodes in it.
 //!
-//! Refused are cells that are inverted at an integration point, listed in mirrored order, listed twice, or that use a node
-//! twice.
+//! Cells whose nodes are listed in mirrored order are read the other way round, with a note. Refused are cells that are inverted at
+//! an integration point, listed twice, or that use a node twice.
 
 mod checks;
 mod mesh;
@@ -135,7 +135,7 @@ impl SolidMesh {
     ///
     /// # Errors
     /// Those of the formats: [`Error::MeshSyntax`], [`Error::MeshUnsupported`], [`Error::MeshContents`],
-    /// [`Error::NotFinite`], and [`Error::Deck`] for decks. [`Error::MeshCells`] for inverted, mirrored and repeated cells,
+    /// [`Error::NotFinite`], and [`Error::Deck`] for decks. [`Error::MeshCells`] for inverted and repeated cells,
     /// [`Error::MeshGroup`] for a physical surface of Gmsh with a face that belongs to no solid.
     pub fn from_bytes(file: &str, format: Format, bytes: &[u8]) -> Result<Self, Error> {
         match format {

@@ -15,8 +15,10 @@ use std::collections::{BTreeMap, HashSet};
 pub(in crate::formats) enum Side {
     /// A face of a cell, by its number from zero.
     OfCell(u32, u8),
-    /// A facet element.
+    /// A facet element, by the file's nodes.
     Facet(Corners),
+    /// A face of a cell, by the mesh's nodes.
+    Listed(Corners),
 }
 
 /// The contents of a file, with all the nodes that it has.
@@ -48,6 +50,26 @@ impl Raw {
         self.notes.extend(empty);
     }
 
+    /// Lists the nodes of these cells the other way round. Their faces are kept by their corners, since their numbers change.
+    fn mirror(&mut self, mirrored: &[usize]) {
+        if mirrored.is_empty() {
+            return;
+        }
+        for side in self.surfaces.iter_mut().flat_map(|group| &mut group.members) {
+            if let Side::OfCell(cell, face) = *side {
+                *side = Side::Listed(Corners::of_face(&self.cells[cell as usize], usize::from(face)));
+            }
+        }
+        for &cell in mirrored {
+            self.cells[cell] = checks::mirrored(&self.cells[cell]);
+        }
+        self.notes.push(format!(
+            "{} of {} solids list their nodes in mirrored order; they are read the other way round",
+            mirrored.len(),
+            self.cells.len()
+        ));
+    }
+
     pub(in crate::formats) fn finish(mut self, file: &str) -> Result<SolidMesh, Error> {
         let kept = Kept::new(
             self.positions.len(),
@@ -60,7 +82,8 @@ impl Raw {
             // All nodes of cells are kept.
             *cell = cell.map_nodes(|node| kept.number(node).unwrap_or(node));
         }
-        checks::check(file, &nodes, &self.cells, &self.cell_labels)?;
+        let mirrored = checks::check(file, &nodes, &self.cells, &self.cell_labels)?;
+        self.mirror(&mirrored);
         if orphans > 0 {
             self.notes.push(match orphans {
                 1 => "1 node that belongs to no solid is dropped".into(),
@@ -184,6 +207,7 @@ fn surface(members: &[Side], cells: &[Cell], sides: &Sides, kept: &Kept) -> Resu
     for side in members {
         let corners = match *side {
             Side::OfCell(cell, face) => Some(Corners::of_face(&cells[cell as usize], usize::from(face))),
+            Side::Listed(corners) => Some(corners),
             Side::Facet(corners) => corners.map(|node| kept.number(node)),
         };
         match corners.map_or(&[][..], |corners| sides.with(corners)) {

@@ -21,6 +21,9 @@ const SYSTEMS: [(f64, [&str; 2]); 5] = [
     (0.3048, ["force", "lbf"]),
 ];
 
+/// Part of a normal along x from which on the first direction of an interface is y.
+const FACING_X: f64 = 0.7;
+
 /// Writes `scene.json` for the mesh in `file`.
 pub(super) fn run(file: &Path, length: &str, directory: &Path) -> Result<()> {
     let Some(system) = LENGTHS.iter().position(|known| *known == length) else {
@@ -95,14 +98,27 @@ fn scene(survey: &Survey, path: &Path, length: &str, system: usize) -> Result<St
             text,
             "{comma}\n      // {}\n      {}",
             about(survey, touching),
-            json!({ "name": between.join(" on "), "between": between })
+            match touching.normal[0].abs() < FACING_X {
+                true => json!({ "name": between.join(" on "), "between": between }),
+                // The first direction lies along x otherwise.
+                false => json!({ "name": between.join(" on "), "between": between, "along": [0, 1, 0] }),
+            }
         );
     }
     text.push_str(match survey.touching.is_empty() {
         true => "],\n    // No two bodies touch within a twentieth of an edge: name surfaces (`top`, `bottom`), or bodies `between` which a gap `within` is closed.\n\n",
         false => "\n    ],\n\n",
     });
-    text.push_str("    // Holes in a row that bolts may pass. `\"washers\": true` and `\"seat\": \"tied\"` are choices of yours.\n    \"bolts\": [");
+    let has_bolts = (survey.bolts.iter()).any(|bolt| bolt.filled_by.is_none() && bolt.size(unit).is_some());
+    text.push_str("    // Holes in a row that bolts may pass. `\"washers\": true` and `\"seat\": \"tied\"` are choices of yours.\n    ");
+    text.push_str(match has_bolts {
+        true => "\"bolts\": [",
+        false => {
+            "// No bolt was found; without one nothing presses the bodies together. A bolt has an axis and a size, or two surfaces.\n    \
+             //? \"bolts\": [{ \"axis\": [[0, 0, 10], [0, 0, -10]], \"size\": \"M8\" }],\n    \
+             // \"bolts\": [{ \"head\": \"NAME\", \"nut\": \"NAME\" }],"
+        }
+    });
     first = true;
     for bolt in &survey.bolts {
         match (bolt.filled_by, bolt.size(unit)) {
@@ -129,12 +145,7 @@ fn scene(survey: &Survey, path: &Path, length: &str, system: usize) -> Result<St
             }
         }
     }
-    text.push_str(match survey.bolts.is_empty() {
-        true => {
-            "],\n    // None were found. A bolt has an \"axis\" and a \"size\", or two surfaces \"head\" and \"nut\".\n"
-        }
-        false => "\n    ],\n",
-    });
+    text.push_str(if has_bolts { "\n    ],\n" } else { "\n" });
     text.push_str(
         "\n    // Nothing holds the structure unless you say so:\n    // \"supports\": [{ \"surface\": \"NAME\" }],\n\n    \
          // Amplitudes are measured where and along which the first mode moves most. A point of yours:\n    \
