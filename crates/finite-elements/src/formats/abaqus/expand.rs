@@ -186,6 +186,14 @@ impl<'a> Reader<'a> {
                 count(&mut self.deck.ignored, block);
                 Ok(())
             }
+            Fate::Replaced(by) => {
+                let is_first = self.deck.ignored.iter().all(|ignored| ignored.keyword != block.keyword);
+                count(&mut self.deck.ignored, block);
+                if is_first {
+                    self.deck.notes.push(format!("*{} does not act: {by}", block.keyword));
+                }
+                Ok(())
+            }
             Fate::Procedure if in_step => {
                 scoped.push(Scoped {
                     instance: 0,

@@ -25,6 +25,8 @@ pub(super) enum Fate {
     Read(Phase),
     /// It only asks for output, or concerns what the model does not have.
     Ignored,
+    /// It does not act, since something else stands in its place: what.
+    Replaced(&'static str),
     /// It says which analysis a step runs.
     Procedure,
     /// It is refused, with a remedy.
@@ -46,7 +48,7 @@ impl Extent {
         self == Self::Mesh
             && match fate(key) {
                 Fate::Read(phase) => phase > Phase::Surfaces,
-                Fate::Ignored | Fate::Procedure => true,
+                Fate::Ignored | Fate::Replaced(_) | Fate::Procedure => true,
                 Fate::Refused(_) => !(makes_mesh(key) || opens_scope(key)),
             }
     }
@@ -65,7 +67,7 @@ fn opens_scope(key: &str) -> bool {
 
 /// What becomes of a keyword (capitals, without blanks).
 pub(super) fn fate(key: &str) -> Fate {
-    use Fate::{Ignored, Procedure, Read, Refused};
+    use Fate::{Ignored, Procedure, Read, Refused, Replaced};
     match key {
         "SYSTEM" | "NODE" | "ELEMENT" => Read(Phase::Geometry),
         "NSET" | "ELSET" => Read(Phase::Sets),
@@ -88,11 +90,14 @@ pub(super) fn fate(key: &str) -> Fate {
         | "COMPLEXFREQUENCY" | "SELECTEIGENMODES" | "SUBSTRUCTUREGENERATE" | "RETAINEDNODALDOFS"
         | "SUBSTRUCTUREMATRIXOUTPUT" | "SUBSTRUCTUREOUTPUT" | "DAMPINGCONTROLS" | "MATRIXGENERATE" | "MATRIXOUTPUT"
         | "CONTROLS" | "SOLVERCONTROLS" => Procedure,
-        "AMPLITUDE" => Refused("loads and supports of a linear model have no history; remove it and its uses"),
-        "CONTACTPAIR" | "CONTACT" | "CONTACTINCLUSIONS" | "CONTACTPROPERTYASSIGNMENT" | "SURFACEINTERACTION"
-        | "SURFACEBEHAVIOR" | "FRICTION" | "CONTACTDAMPING" | "CONTACTCONTROLS" | "CLEARANCE" | "GAP" => {
-            Refused("remove contact from the deck and give the joint analysis the names of the two surfaces")
+        "AMPLITUDE" | "DLOAD" | "DSLOAD" => {
+            Replaced("steps are not run, and only the tension of the bolts and the loads of the scene act")
         }
+        "CONTACTPAIR" | "CONTACT" | "CONTACTINCLUSIONS" | "CONTACTPROPERTYASSIGNMENT" | "SURFACEINTERACTION"
+        | "SURFACEBEHAVIOR" | "FRICTION" | "CONTACTDAMPING" | "CONTACTCONTROLS" | "CLEARANCE" => {
+            Replaced("faces touch where the scene says so, by its law, and nowhere else")
+        }
+        "GAP" => Refused("remove it, and give the joint analysis the names of the two surfaces"),
         "POINTMASS" | "NONSTRUCTURALMASS" => {
             Refused("model the mass by solid elements with a density, or by *MASS of elements of type MASS")
         }
@@ -100,7 +105,7 @@ pub(super) fn fate(key: &str) -> Fate {
         "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "ELGEN" | "ELCOPY" | "PARAMETER" => {
             Refused("let the preprocessor write all nodes and elements out")
         }
-        "DLOAD" | "DSLOAD" | "TEMPERATURE" | "INITIALCONDITIONS" => {
+        "TEMPERATURE" | "INITIALCONDITIONS" => {
             Refused("only concentrated loads (*CLOAD) are read; remove it, or load a coupling's reference node")
         }
         "SHELLSECTION" | "BEAMGENERALSECTION" | "MEMBRANESECTION" | "COHESIVESECTION" => {
