@@ -423,7 +423,6 @@ fn decks_that_make_their_mesh_are_refused() {
             "Type=C3D5, Elset=Upper",
             "element type `C3D5` is not supported",
         ),
-        ("1, 2, 3, 4\n", "1, 2, 3, 99\n", "node `99` is not defined"),
         ("Internal-1_Lower_face_S2, S2", "Internal-1_Lower_face_S2, S7", "face"),
         (
             "C3D8, Elset=Lower",
@@ -675,6 +674,26 @@ fn cells_that_no_structure_can_be_made_of_are_refused() {
     assert_eq!(
         read.notes,
         ["8 of 8 solids list their nodes in mirrored order; they are read the other way round"]
+    );
+}
+
+#[test]
+fn sets_of_a_mesh_may_name_what_is_not_there_and_parts_without_instance_are_named() {
+    let deck = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT,TYPE=C3D4,ELSET=E\n1,1,2,3,4\n*NSET,NSET=REF\n1,99\n\
+                *SURFACE,NAME=NONE\n";
+    let read = parse(Format::Abaqus, deck).unwrap();
+    assert_eq!(read.points("REF").unwrap(), [0]);
+    for said in [
+        "1 entries of the node set `REF` are not in the file and left out of it",
+        "the surface `NONE` is empty",
+    ] {
+        assert!(read.notes.iter().any(|note| note == said), "{said}: {:?}", read.notes);
+    }
+    let part = format!("*PART,NAME=P\n{}*END PART\n", deck.split("*NSET").next().unwrap());
+    let error = message(parse(Format::Abaqus, &part));
+    assert!(
+        error.contains("holds no solids (part `P`") && error.contains("has no instance"),
+        "{error}"
     );
 }
 

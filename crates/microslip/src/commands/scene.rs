@@ -3,10 +3,12 @@
 use super::defaults::Defaults;
 use anyhow::{Result, bail};
 use finite_elements::formats::abaqus::Includes;
+use finite_elements::formats::solid_mesh::Format;
 use host::{BENCHMARKS, GivenScene};
 use joint_model::Benchmark;
 use scenes::StructureSource;
 use serde_json::{Value, json};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// The scene that a command works on.
@@ -26,13 +28,17 @@ pub struct SceneArguments {
 }
 
 impl SceneArguments {
-    /// What stands in the place of the scene, if its extension is not that of a scene: a mesh or an input deck.
+    /// What stands in the place of the scene, if it is none: a mesh or an input deck.
     pub fn mesh_file(&self) -> Option<&Path> {
-        let is_scene = |path: &&Path| {
-            let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-            ["", "json", "jsonc", "json5"].iter().any(|known| extension == *known)
+        // A scene may have any name, and begins with a brace or a comment.
+        let is_scene = |path: &Path| {
+            let mut first = [0; 256];
+            let read = std::fs::File::open(path).and_then(|mut file| file.read(&mut first));
+            let first = first[..read.unwrap_or(0)].trim_ascii_start();
+            first.is_empty() || first.starts_with(b"{") || first.starts_with(b"/")
         };
-        self.scene.as_deref().filter(|path| !is_scene(path))
+        let path = self.scene.as_deref()?;
+        (Format::of(path).is_ok() || !is_scene(path)).then_some(path)
     }
 
     /// The scene, in SI, and the file that it is from.
@@ -40,6 +46,13 @@ impl SceneArguments {
     /// # Errors
     /// No scene is named; it cannot be read or is not admissible; it has no deck to be replaced.
     pub fn read(&self, defaults: &Defaults) -> Result<GivenScene> {
+        if let Some(path) = self.mesh_file() {
+            bail!(
+                "{} is no scene; if it is a mesh, make a scene of it: microslip new --from {} --length UNIT DIRECTORY",
+                path.display(),
+                path.display()
+            );
+        }
         let mut given = match (&self.scene, &self.benchmark) {
             (None, None) => default_scene(self.deck.is_some(), defaults)?,
             (path, name) => read(path.as_deref(), name.as_deref(), defaults)?,

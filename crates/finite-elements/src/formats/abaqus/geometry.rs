@@ -351,7 +351,7 @@ impl Reader<'_> {
         let text = block.required(self.source, parameter)?;
         let name = self.named(instance, text, block)?;
         let instance = self.instance_of(instance, block)?;
-        let (mut members, mut facets) = (Vec::new(), Vec::new());
+        let (mut members, mut facets, mut missing) = (Vec::new(), Vec::new(), 0_usize);
         if of_nodes {
             let known = ["NSET", "ELSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED"];
             block.allow(self.source, &known)?;
@@ -382,14 +382,31 @@ impl Reader<'_> {
                     self.point_sets.entry(name.clone()).or_default().push(point);
                     continue;
                 }
-                let (more, more_facets) = match of_nodes {
-                    true => (self.node_list(instance, line, entry)?, Vec::new()),
-                    false => self.element_list(instance, line, entry)?,
+                let found = match of_nodes {
+                    true => self.node_list(instance, line, entry).map(|nodes| (nodes, Vec::new())),
+                    false => self.element_list(instance, line, entry),
+                };
+                let (more, more_facets) = match found {
+                    // Of a mesh only what is used must be whole.
+                    Err(Error::Deck {
+                        problem: DeckProblem::Undefined { .. },
+                        ..
+                    }) if self.extent == Extent::Mesh => {
+                        missing += 1;
+                        continue;
+                    }
+                    found => found?,
                 };
                 self.spend(more.len() + more_facets.len(), line.at)?;
                 members.extend(more);
                 facets.extend(more_facets);
             }
+        }
+        if missing > 0 {
+            self.deck.notes.push(format!(
+                "{missing} entries of the {what} `{}` are not in the file and left out of it",
+                excerpt(text)
+            ));
         }
         let is_empty = members.is_empty() && facets.is_empty();
         self.facets.add(&name, facets);

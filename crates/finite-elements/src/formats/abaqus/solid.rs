@@ -25,7 +25,11 @@ impl Reader<'_> {
             return Err(Error::MeshContents {
                 file: source.files[at.file as usize].clone(),
                 at: Position::Line(line),
-                problem: "the file holds no solids".into(),
+                // What was left out may be why: a part without an instance, say.
+                problem: format!(
+                    "the file holds no solids{}",
+                    deck.notes.first().map_or_else(String::new, |note| format!(" ({note})"))
+                ),
                 remedy: "mesh in three dimensions, and save elements of types C3D4, C3D10, C3D6, C3D15, C3D8 or C3D20",
             });
         }
