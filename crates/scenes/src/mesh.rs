@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// A structure from a mesh of Gmsh (`.msh`), Abaqus, CalculiX or PrePoMax (`.inp`), Nastran or Optistruct (`.bdf`, `.nas`, `.fem`), Ansys (`.cdb`), I-DEAS (`.unv`), Exodus II (`.exo`) or VTK (`.vtu`).
+/// A structure from a mesh of Gmsh (`.msh`), Abaqus, CalculiX or PrePoMax (`.inp`), Nastran or Optistruct (`.bdf`, `.nas`, `.fem`), Ansys (`.cdb`), I-DEAS (`.unv`), Exodus II (`.exo`), Salome (`.med`) or VTK (`.vtu`).
 ///
 /// Groups are physical groups of Gmsh, sets and surfaces of decks, properties and sets of Nastran, components of Ansys, blocks and sets of Exodus, and values of cell arrays of VTK.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -25,6 +25,7 @@ fuzz_target!(|bytes: &[u8]| {
         Format::Ansys,
         Format::Universal,
         Format::Exodus,
+        Format::Med,
     ] {
         if let Ok(mesh) = SolidMesh::from_bytes("fuzzed", format, bytes) {
             let _ = (mesh.bodies(), mesh.boundary());

@@ -7,6 +7,7 @@
 //! | [`nastran`] | bulk data of Nastran and Optistruct (`.bdf`, `.nas`, `.fem`) | meshes and groups |
 //! | [`ansys`] | archives of Ansys (`.cdb`) | meshes and components |
 //! | [`exodus`] | Exodus II (`.exo`, `.e`, `.g`) | meshes, blocks and sets |
+//! | [`med`] | MED files of Salome and code_aster (`.med`) | meshes and groups |
 //! | [`universal`] | universal files of I-DEAS (`.unv`) | meshes and groups |
 //! | [`vtu`] | VTK unstructured grids (text, base64, appended; zlib) | meshes and surfaces with fields |
 //! | [`solid_mesh`] | any of these | solids and named groups, without materials and units |
@@ -22,6 +23,7 @@ pub mod gmsh;
 mod includes;
 mod labelled;
 mod lines;
+pub mod med;
 pub mod nastran;
 pub mod solid_mesh;
 pub mod universal;

@@ -8,6 +8,7 @@ use test_support::TemporaryFolder;
 /// The names of both bodies, of their faces and of an edge, in the files of a format.
 fn groups(extension: &str) -> [&'static str; 5] {
     match extension {
+        "med" => ["lower", "upper", "lower face", "upper face", "edge"],
         "unv" => ["lower", "upper", "lower_face", "upper_face", "edge"],
         "cdb" => ["LOWER", "MAT=2", "LOWER_FACE", "UPPER_FACE", "EDGE"],
         // Gmsh writes no names: numbers are those of its volumes and surfaces.
@@ -40,7 +41,7 @@ fn assert_middles(file: &str, mesh: &SolidMesh) {
 fn every_element_is_read_as_from_the_mesh_that_it_came_from() {
     for (name, row) in SHAPES.into_iter().filter(|(name, _)| *name != "hex27") {
         let first = mesh(&format!("{name}.msh"));
-        for extension in ["unv", "cdb", "bdf"] {
+        for extension in ["unv", "cdb", "bdf", "med"] {
             let file = format!("{name}.{extension}");
             let read = mesh(&file);
             assert!(read.cells.iter().all(|cell| cell.element_type() == row), "{file}");
@@ -407,7 +408,7 @@ fn what_an_archive_or_universal_file_lacks_is_said() {
 fn other_extensions_are_told_what_to_do() {
     for (name, part) in [
         ("x.dat", "call it .bdf"),
-        ("x.med", "convert it by Gmsh"),
+        ("x.cgns", "convert it by Gmsh"),
         ("x.xdmf", "ParaView"),
     ] {
         let error = message(SolidMesh::read(&path(name)));

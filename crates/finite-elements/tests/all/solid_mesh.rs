@@ -718,10 +718,10 @@ fn solids_in_mirrored_order_are_read_the_other_way_round() {
 fn other_formats_are_refused_with_a_way_to_convert_them() {
     for (name, expected) in [
         (
-            "a.rmed",
-            "a.rmed: files `.rmed` are not read; convert it by Gmsh: gmsh IN -save -format msh41 -o OUT.msh",
+            "a.cgns",
+            "a.cgns: files `.cgns` are not read; convert it by Gmsh: gmsh IN -save -format msh41 -o OUT.msh",
         ),
-        ("a.MED", "files `.med` are not read; convert it by Gmsh"),
+        ("a.MESH", "files `.mesh` are not read; convert it by Gmsh"),
         ("a.vtk", "save it as one unstructured grid (.vtu)"),
         ("a.step", "is a geometry, not a mesh; mesh it by Gmsh: gmsh IN -3"),
         (

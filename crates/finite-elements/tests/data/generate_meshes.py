@@ -274,6 +274,7 @@ for name, (order, incomplete, shape) in SHAPES.items():
         gmsh.option.setNumber("Mesh.BdfFieldFormat", 1)
         write(f"{name}.bdf")
         write(f"{name}.unv")
+        write(f"{name}.med")
         ansys(f"{name}.cdb")
     if name in ("tet4", "tet10", "wedge15", "hex20", "hex27"):
         exodus(f"{name}.exo", "NETCDF4" if name in ("tet10", "hex20") else "NETCDF3_64BIT_OFFSET")
@@ -306,4 +307,4 @@ write("no-groups-22.msh", 2.2)
 gmsh.finalize()
 
 for name in sorted(os.listdir(".")):
-    assert os.path.getsize(name) < (70_000 if name.endswith((".unv", ".cdb")) else 30_000) or name.endswith((".py", ".md")), name
+    assert os.path.getsize(name) < (70_000 if name.endswith((".unv", ".cdb", ".med")) else 30_000) or name.endswith((".py", ".md")), name

@@ -258,13 +258,14 @@ def read_mesh(path: str | os.PathLike[str]) -> SolidMesh:
     Parameters
     ----------
     path : path-like
-        Gmsh (``.msh``, versions 4.1 and 2.2), Abaqus, CalculiX or PrePoMax (``.inp``, of which the mesh alone is read), or VTK
-        (``.vtu``). In VTK files the values of integer arrays of cells are the names of groups.
+        Gmsh (``.msh``, versions 4.1 and 2), Abaqus, CalculiX or PrePoMax (``.inp``), Nastran or Optistruct (``.bdf``, ``.nas``,
+        ``.fem``), Ansys (``.cdb``), I-DEAS (``.unv``), Exodus II (``.exo``, ``.e``, ``.g``), Salome (``.med``) or VTK (``.vtu``). Of decks the mesh alone
+        is read. In VTK files the values of integer arrays of cells are the names of groups.
 
     Raises
     ------
     FileError
-        The file cannot be read, is damaged, or has cells that are inverted, mirrored or listed twice.
+        The file cannot be read, is damaged, or has cells that are inverted or listed twice.
 
     Examples
     --------

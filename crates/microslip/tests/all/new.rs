@@ -226,6 +226,20 @@ fn a_mesh_becomes_a_scene_that_runs_once_what_it_cannot_tell_is_given() {
             .iter()
             .all(|point| point["frequency_hz"].as_f64().unwrap() > 1000.0)
     );
+    let no_scene = run(&folder, &["run", "plates.bdf"]);
+    assert!(
+        messages(&no_scene).contains("microslip new --from plates.bdf"),
+        "{}",
+        messages(&no_scene)
+    );
+    std::fs::rename(folder.join("plates.bdf"), folder.join("plates.dat")).unwrap();
+    let unknown = run(&folder, &["model", "plates.dat"]);
+    assert!(
+        messages(&unknown).contains("call it .bdf if it is bulk data"),
+        "{}",
+        messages(&unknown)
+    );
+    std::fs::rename(folder.join("plates.dat"), folder.join("plates.bdf")).unwrap();
     // A second time nothing is overwritten; a unit is asked for, never guessed.
     let again = run(&folder, &["new", "--from", "plates.bdf", "--length", "mm", "joint"]);
     assert!(messages(&again).contains("is there already"), "{}", messages(&again));

@@ -7,6 +7,7 @@
 //! | Nastran and Optistruct (`.bdf`, `.nas`, `.fem`) | `PSOLID=N` | `PSHELL=N`, `PLOAD4=N`, `BSURFS=N` | `SPC=N`, `SET=N`, `RBE2=N`, `CBAR=N` |
 //! | Ansys archives (`.cdb`) | components of elements, `MAT=N`, `TYPE=N` | components of shell, contact and target elements, `TYPE=N` | components of nodes |
 //! | Exodus II (`.exo`, `.e`, `.g`) | blocks | side sets, blocks of shells | node sets |
+//! | MED (`.med`) | groups of volumes | groups of faces | groups of nodes, edges and points |
 //! | Universal files (`.unv`) | groups of elements, `PROPERTY=N` | the same, of shells | groups of nodes |
 //! | VTK (`.vtu`) | integer cell arrays, `ARRAY=VALUE` | the same, of two-dimensional cells | the same, of points and lines |
 //!
@@ -27,7 +28,7 @@ mod raw;
 pub use mesh::SolidMesh;
 pub(super) use raw::{Raw, Side};
 
-use super::{abaqus, ansys, exodus, gmsh, nastran, universal, vtu};
+use super::{abaqus, ansys, exodus, gmsh, med, nastran, universal, vtu};
 use crate::Error;
 use std::path::{Path, PathBuf};
 
@@ -46,6 +47,8 @@ pub enum Format {
     Ansys,
     /// Exodus II (`.exo`, `.e`, `.g`).
     Exodus,
+    /// MED files of Salome and code_aster (`.med`).
+    Med,
     /// Universal files of I-DEAS (`.unv`).
     Universal,
 }
@@ -75,12 +78,13 @@ impl Format {
             "bdf" | "nas" | "fem" => Ok(Self::Nastran),
             "cdb" => Ok(Self::Ansys),
             "unv" => Ok(Self::Universal),
+            "med" | "rmed" | "mmed" => Ok(Self::Med),
             "exo" | "e" | "g" => Ok(Self::Exodus),
             "dat" => refuse(
                 "several programs write files `.dat`".into(),
                 "call it .bdf if it is bulk data of Nastran, .cdb if it is an input of Ansys",
             ),
-            "med" | "rmed" | "mmed" | "cgns" | "mesh" => refuse(
+            "cgns" | "mesh" => refuse(
                 format!("files `.{extension}` are not read"),
                 "convert it by Gmsh: gmsh IN -save -format msh41 -o OUT.msh",
             ),
@@ -94,7 +98,7 @@ impl Format {
             ),
             _ => refuse(
                 "the extension is not that of a mesh".into(),
-                "give a mesh of Gmsh (.msh), Abaqus or CalculiX (.inp), Nastran (.bdf), Ansys (.cdb), I-DEAS (.unv), Exodus (.exo) or VTK (.vtu)",
+                "give a mesh of Gmsh (.msh), Abaqus or CalculiX (.inp), Nastran (.bdf), Ansys (.cdb), I-DEAS (.unv), Exodus (.exo), Salome (.med) or VTK (.vtu)",
             ),
         }
     }
@@ -145,6 +149,7 @@ impl SolidMesh {
             Format::Nastran => nastran::solid_mesh(file, bytes),
             Format::Ansys => ansys::solid_mesh(file, bytes),
             Format::Exodus => exodus::solid_mesh(file, bytes),
+            Format::Med => med::solid_mesh(file, bytes),
             Format::Universal => universal::solid_mesh(file, bytes),
         }
     }

@@ -21,6 +21,9 @@ const SYSTEMS: [(f64, [&str; 2]); 5] = [
     (0.3048, ["force", "lbf"]),
 ];
 
+/// Most notes about the file in a scene; `microslip model` shows all.
+const NOTES: usize = 20;
+
 /// Part of a normal along x from which on the first direction of an interface is y.
 const FACING_X: f64 = 0.7;
 
@@ -77,8 +80,8 @@ fn scene(survey: &Survey, path: &Path, length: &str, system: usize) -> Result<St
         json!(path)
     );
     // Writing to a string cannot fail.
-    for note in &survey.notes {
-        let _ = writeln!(text, "    // {}", note.replace('\n', " "));
+    for note in survey.notes.iter().take(NOTES) {
+        let _ = writeln!(text, "    // {}", note.replace(['\n', '\r'], " "));
     }
     text.push_str("    // Where bodies touch: the upper one first.\n    \"interfaces\": [");
     let mut first = true;
