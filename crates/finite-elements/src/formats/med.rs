@@ -62,8 +62,12 @@ pub(super) fn solid_mesh(file: &str, bytes: &[u8]) -> Result<SolidMesh, Error> {
         ..OpenOptions::default()
     };
     let reader = Reader { file, most };
-    let opened = Hdf5File::from_bytes_with_options(bytes, options).and_then(|file| file.root_group());
-    let root = opened.map_err(|reason| reader.fails("it is no HDF5 file", &reason.to_string()))?;
+    let no_file = |reason: hdf5_reader::error::Error| reader.fails("it is no HDF5 file", &reason.to_string());
+    let opened = Hdf5File::from_bytes_with_options(bytes, options).map_err(no_file)?;
+    if opened.superblock().eof_address > bytes.len() as u64 {
+        return Err(reader.fails("it is incomplete", "the file is shorter than it says"));
+    }
+    let root = opened.root_group().map_err(no_file)?;
     reader.read(&root)
 }
 

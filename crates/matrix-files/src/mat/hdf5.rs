@@ -28,9 +28,13 @@ pub(super) fn parse(source: Source<'_>) -> Result<Collection, Error> {
         file: source.name,
         most,
     };
-    let file = Hdf5File::from_bytes_with_options(source.bytes, options);
-    let root = file.and_then(|file| file.root_group());
-    let root = root.map_err(|reason| reader.malformed("", reason.to_string(), "HDF5 as MATLAB writes it"))?;
+    let no_file =
+        |reason: hdf5_reader::error::Error| reader.malformed("", reason.to_string(), "HDF5 as MATLAB writes it");
+    let file = Hdf5File::from_bytes_with_options(source.bytes, options).map_err(no_file)?;
+    if file.superblock().eof_address > source.bytes.len() as u64 {
+        return Err(reader.malformed("", "the end of the file", "as many bytes as it states"));
+    }
+    let root = file.root_group().map_err(no_file)?;
     let mut found = Collection::default();
     reader.members(&root, None, 0, &mut found)?;
     Ok(found)

@@ -125,6 +125,11 @@ fn matlab_files_in_hdf5() {
     let stored = mat::read(&fixture("storage.mat")).unwrap();
     assert_eq!(stored.arrays["M"], matrix());
     assert_eq!(stored.arrays["note"], text("joint"));
+    let cut = mat::parse(file_io::Source {
+        name: "cut.mat",
+        bytes: &std::fs::read(fixture("storage.mat")).unwrap()[..3430],
+    });
+    assert!(cut.unwrap_err().to_string().contains("as many bytes as it states"));
     // Rows that do not ascend in a column.
     let bytes = std::fs::read(fixture("v73.mat")).unwrap();
     let rows: Vec<u8> = [0_u64, 1, 0, 1, 2, 1, 2]
