@@ -30,8 +30,11 @@ pub struct SceneArguments {
 impl SceneArguments {
     /// What stands in the place of the scene, if it is none: a mesh or an input deck.
     pub fn mesh_file(&self) -> Option<&Path> {
-        // A scene may have any name, and begins with a brace or a comment.
+        // A scene may have any name, and begins with a brace or a comment. What is no file is refused by who reads it.
         let is_scene = |path: &Path| {
+            if !path.is_file() {
+                return true;
+            }
             let mut first = [0; 256];
             let read = std::fs::File::open(path).and_then(|mut file| file.read(&mut first));
             let first = first[..read.unwrap_or(0)].trim_ascii_start();
