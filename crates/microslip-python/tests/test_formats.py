@@ -83,7 +83,7 @@ def test_wrong_matrices_are_named(tmp_path: Path) -> None:
         ("K.mat", {"1K": np.eye(2)}, "no such name"),
         ("K.mtx", {"K": np.eye(2), "M": np.eye(2)}, "there are 2"),
         ("K.mtx", {"K": "text"}, "text"),
-        ("K.txt", {"K": np.eye(2)}, "npz, .mat or .mtx"),
+        ("K.txt", {"K": np.eye(2)}, "npz, .mat, .mtx or .op4"),
         ("K.npz", {"K": np.zeros((2, 2, 2))}, "two dimensions"),
         ("K.npz", {"K": np.array([1j])}, "cannot be written"),
         ("K.npz", {"K": object()}, "cannot be written"),
