@@ -79,10 +79,11 @@ static SOLIDS: [Solid; 7] = [
 
 /// The solids, blocks and sets of a file.
 pub(super) fn solid_mesh(file: &str, bytes: &[u8]) -> Result<SolidMesh, Error> {
+    // What is decoded at once may be as much larger than the file as text that is packed well.
+    let most = bytes.len().saturating_mul(64).saturating_add(1 << 20);
     let options = NcOpenOptions {
-        // What is decoded at once may be as much larger than the file as text that is packed well.
-        max_read_bytes: bytes.len().saturating_mul(64).saturating_add(1 << 20),
-        max_chunk_bytes: bytes.len().saturating_mul(64).saturating_add(1 << 20),
+        max_read_bytes: most,
+        max_chunk_bytes: most,
         ..NcOpenOptions::default()
     };
     let source = NcFile::from_bytes_with_options(bytes, options).map_err(|reason| Error::MeshFormat {
@@ -90,12 +91,7 @@ pub(super) fn solid_mesh(file: &str, bytes: &[u8]) -> Result<SolidMesh, Error> {
         problem: format!("it is no netCDF file: {reason}"),
         remedy: "save the mesh again as Exodus II",
     })?;
-    let reader = Reader {
-        file,
-        source,
-        most: bytes.len() * 64,
-    };
-    reader.read()
+    Reader { file, source, most }.read()
 }
 
 struct Reader<'a> {

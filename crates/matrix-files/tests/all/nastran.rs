@@ -5,10 +5,10 @@
 
 #![allow(clippy::unwrap_used)]
 
+use crate::refusals::{refused, source};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use file_io::Source;
 use matrix_files::dmig::{self, PointMatrices};
 use matrix_files::value::{Array, Dense, Dof};
 use matrix_files::{Error, op4};
@@ -17,21 +17,6 @@ use sprs::CsMat;
 
 fn fixture(name: &str) -> PathBuf {
     [env!("CARGO_MANIFEST_DIR"), "tests", "fixtures", name].iter().collect()
-}
-
-fn source(bytes: &[u8]) -> Source<'_> {
-    Source {
-        name: "the file",
-        bytes,
-    }
-}
-
-fn refused<T: std::fmt::Debug>(result: Result<T, Error>, expected: &str) {
-    let message = result.expect_err(expected).to_string();
-    assert!(
-        message.contains(expected) && message.contains("the file"),
-        "{message}\nshould say: {expected}"
-    );
 }
 
 /// Rows and columns, and the entries that are not zero by rows.

@@ -7,14 +7,14 @@ use matrix_files::abaqus::{parse_assembled, parse_substructure};
 use matrix_files::value::{Array, Collection, Dof};
 use matrix_files::{Error, calculix, mat, matrix_market, npz};
 
-fn source(bytes: &[u8]) -> Source<'_> {
+pub(crate) fn source(bytes: &[u8]) -> Source<'_> {
     Source {
         name: "the file",
         bytes,
     }
 }
 
-fn refused<T: std::fmt::Debug>(result: Result<T, Error>, expected: &str) {
+pub(crate) fn refused<T: std::fmt::Debug>(result: Result<T, Error>, expected: &str) {
     let message = result.expect_err(expected).to_string();
     assert!(
         message.contains(expected) && message.contains("the file"),

@@ -205,7 +205,6 @@ impl Reader<'_> {
                 });
                 self.materials.insert(card.integer(source, 0)?, values);
             }
-            "PSHELL" | "PARAM" => {}
             // Replication of the card before, with steps.
             name if name.starts_with('=') => {
                 return Err(source.unsupported(
