@@ -60,6 +60,16 @@ pub struct Arguments {
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     if let Some(file) = arguments.scene.mesh_file() {
+        if arguments.spectrum
+            || arguments.modes.is_some()
+            || arguments.out.is_some()
+            || arguments.normal_stiffness.is_some()
+        {
+            bail!(
+                "{} is no scene: --spectrum, --modes, --out and stiffnesses need one; if it is a mesh, make a scene of it by `microslip new --from`",
+                file.display()
+            );
+        }
         return print(&survey::text(file, &Survey::of_file(file)?));
     }
     let given = arguments.scene.read(defaults)?;

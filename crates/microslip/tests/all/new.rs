@@ -226,6 +226,8 @@ fn a_mesh_becomes_a_scene_that_runs_once_what_it_cannot_tell_is_given() {
             .iter()
             .all(|point| point["frequency_hz"].as_f64().unwrap() > 1000.0)
     );
+    let modes = run(&folder, &["model", "plates.bdf", "--modes", "6"]);
+    assert!(messages(&modes).contains("--modes, --out"), "{}", messages(&modes));
     let no_scene = run(&folder, &["run", "plates.bdf"]);
     assert!(
         messages(&no_scene).contains("microslip new --from plates.bdf"),
