@@ -79,6 +79,11 @@ pub(super) struct Loading {
 }
 
 impl<'a> Request<'a> {
+    /// Damping ratio of the mode apart from friction.
+    pub(super) fn background(&self) -> f64 {
+        self.about.background(self.mode)
+    }
+
     /// Loops at all amplitudes, and the other methods, with what lets the run resume until its results are safe. `key` is the folder of checkpoints and what all loops of the run
     /// depend on; `share` maps the part of this backbone that is done to that of all backbones.
     ///
@@ -161,6 +166,7 @@ impl<'a> Request<'a> {
             sensitivities,
             epmc,
             mode: self.mode + 1,
+            background: self.background(),
             separation: self.separation(&shape),
             truncation: walks::of_modes(self.about.vibrating, &shape, omega2),
             amplitudes: done.into_iter().map(amplitude).collect(),

@@ -15,7 +15,6 @@ use joints::progress::{Progress, Silent};
 use joints::store::Options;
 use joints::store::key::KeyBuilder;
 use joints::structure::{StructuralModel, Structure};
-use reduction::ReducedModel;
 use scenes::{Parameter, Scene, Units};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -170,6 +169,8 @@ pub struct CaseMode {
     pub mode: usize,
     /// Its linearised frequency (Hz).
     pub linear_frequency_hz: f64,
+    /// Its damping ratio apart from friction.
+    pub background: f64,
     /// Its amplitudes, ascending, or why one did not converge.
     pub amplitudes: Vec<Result<CasePoint, String>>,
 }
@@ -184,26 +185,28 @@ pub struct CasePoint {
 }
 
 impl CaseMode {
-    fn new(found: &ModeAnalysis, frequencies: &[f64], background: f64) -> Self {
+    fn new(found: &ModeAnalysis, frequencies: &[f64]) -> Self {
         let amplitudes = found.amplitudes.iter().map(|amplitude| {
             let result = amplitude.point.result.as_ref();
             result.map_err(|failure| failure.reason.to_string())?;
-            let point = VariantPoint::new(amplitude, background).ok_or_else(|| "its loop has no fields".to_owned())?;
+            let point =
+                VariantPoint::new(amplitude, found.background).ok_or_else(|| "its loop has no fields".to_owned())?;
             Ok(CasePoint { point, estimate: None })
         });
         Self {
             mode: found.mode,
             linear_frequency_hz: frequencies.get(found.mode - 1).copied().unwrap_or(f64::NAN),
+            background: found.background,
             amplitudes: amplitudes.collect(),
         }
     }
 
-    /// The amplitudes that converged, for interpolation; `background` is the damping ratio apart from friction.
-    pub fn curve(&self, background: f64) -> Curve {
+    /// The amplitudes that converged, for interpolation.
+    pub fn curve(&self) -> Curve {
         Curve {
             mode: self.mode,
             linear_frequency_hz: self.linear_frequency_hz,
-            background,
+            background: self.background,
             points: self
                 .amplitudes
                 .iter()
@@ -246,8 +249,8 @@ impl CaseStructure {
         self.model.reduced.size()
     }
 
-    pub(super) fn reduced(&self) -> &ReducedModel {
-        &self.model.reduced
+    pub(super) fn model(&self) -> &StructuralModel {
+        &self.model
     }
 
     pub(super) fn solver(&self) -> Solver<'_> {
@@ -281,8 +284,6 @@ impl CaseStructure {
             .solver()
             .analyse(case, &interface.interface, interface.closure, None, progress)?;
         let modes = found.modes.iter();
-        Ok(modes
-            .map(|mode| CaseMode::new(mode, &found.frequencies, case.background_damping))
-            .collect())
+        Ok(modes.map(|mode| CaseMode::new(mode, &found.frequencies)).collect())
     }
 }

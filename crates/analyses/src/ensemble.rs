@@ -189,9 +189,9 @@ impl Progress for Within<'_> {
 
 impl Member {
     /// What a realisation is, or why it is none.
-    pub(super) fn new(realisation: usize, found: Result<&Analysis, Error>, background: f64) -> Self {
+    pub(super) fn new(realisation: usize, found: Result<&Analysis, Error>) -> Self {
         match found {
-            Ok(analysis) => Self::of(realisation, &analysis.modes[0].amplitudes, background),
+            Ok(analysis) => Self::of(realisation, &analysis.modes[0].amplitudes, analysis.modes[0].background),
             Err(error) => Self {
                 realisation,
                 points: Vec::new(),

@@ -64,6 +64,14 @@ pub enum Error {
         /// What is wrong, and what would be right.
         reason: String,
     },
+    /// A sweep that would take too long.
+    #[error(
+        "a sweep in time would take {steps:.3e} steps, and at most 1e7 are taken; sweep faster, or over fewer frequencies"
+    )]
+    Sweep {
+        /// Steps of time.
+        steps: f64,
+    },
     /// A preload that has opened wherever it was.
     #[error(
         "nothing is in contact under prestress: the preload has pushed the faces apart, as nothing holds them together; give a \

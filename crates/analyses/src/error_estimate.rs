@@ -24,7 +24,7 @@ impl ErrorEstimate {
     pub fn new(run: &Run, finer: &Preset, fine: &Run) -> Self {
         let mode = run.first().mode - 1;
         let cqsma = |run: &Run| -> Option<Backbone> {
-            let all = run.first().over_acceleration(run.scene.background_damping);
+            let all = run.first().over_acceleration();
             Some(all.ok()?.into_iter().next()?.1)
         };
         let misfit = cqsma(run).zip(cqsma(fine)).and_then(|(own, fine)| own.misfit(&fine));

@@ -6,6 +6,7 @@
 
 use super::epmc::EpmcBackbone;
 use super::linearised::{Base, Drive, Linearised, flow, newton};
+use super::sweep::Swept;
 use super::vibration::{Start, VibrationAnalysis};
 use crate::Error;
 use harmonic_balance::backbone::Motion;
@@ -31,7 +32,7 @@ impl VibrationAnalysis for Forced {
     /// The responses at all levels. Those of one mode follow from the EPMC backbones.
     fn run(&self, start: Start<'_>) -> Result<(Self::Found, Checkpoints), Error> {
         let (about, progress, settings) = (start.about, start.progress, self);
-        let free = start.modes.iter().filter_map(|mode| mode.epmc.as_ref());
+        let free = (start.modes.iter()).filter_map(|mode| Some((mode.background, mode.epmc.as_ref()?)));
         progress.begin(Stage::Forced);
         let (load, base) = load(settings, about);
         let range = settings.range_hz().map(|hz| TAU * hz);
@@ -51,25 +52,26 @@ impl VibrationAnalysis for Forced {
             ..forced::Settings::default()
         };
         // The backbone that begins between the frequencies of the responses: the others belong to other resonances.
-        let found = |backbone: &EpmcBackbone| -> Vec<Motion> {
+        let found = |(background, backbone): (f64, &EpmcBackbone)| -> (f64, Vec<Motion>) {
             let motions = backbone.points.iter().filter_map(|p| p.result.as_ref().ok());
-            motions.cloned().collect()
+            (background, motions.cloned().collect())
         };
-        let begins_inside = |motions: &Vec<Motion>| {
+        let begins_inside = |(_, motions): &(f64, Vec<Motion>)| {
             let first = motions.first().map(|m| (m.omega - range[0]) * (m.omega - range[1]));
             first.is_some_and(|side| side <= 0.0)
         };
-        let motions = free.map(found).find(begins_inside).unwrap_or_default();
+        let (of_mode, motions) = free.map(found).find(begins_inside).unwrap_or_default();
         let motions: Vec<&Motion> = motions.iter().collect();
         // What the viscous damping is of the mode alone.
         let omega = motions.first().map_or(1.0, |m| m.omega);
         let [of_mass, of_stiffness] = solver.rayleigh;
-        let viscous = background + 0.5 * (of_mass / omega + of_stiffness * omega);
+        let viscous = of_mode + 0.5 * (of_mass / omega + of_stiffness * omega);
         let checkpoint: Checkpoint<ForcedResponse> = match start.kept {
             None => Checkpoint::default(),
             Some((directory, mut key)) => {
                 key.numbers(about.line.displacement().iter().copied());
                 key.numbers(load.cosine.iter().chain(&load.sine).copied());
+                key.numbers(about.line.dampers.iter().flatten().copied());
                 Checkpoint::open(directory, "forced", &key.finish())
             }
         };
@@ -83,6 +85,9 @@ impl VibrationAnalysis for Forced {
             ));
         }
         for (index, &level) in levels.iter().enumerate().skip(responses.len()) {
+            // A sweep takes the second half of a level's share.
+            let share = if settings.sweep.is_some() { 0.5 } else { 1.0 };
+            let done = |way: f64| progress.fraction(Stage::Forced, (index as f64 + way) / levels.len() as f64);
             let held = match settings.held() {
                 scenes::Held::Response => Held::Response {
                     row: about.response,
@@ -92,10 +97,7 @@ impl VibrationAnalysis for Forced {
             };
             let mut curve = forced::follow(about.line, about.force, &load, held, &solver, &mut |point| {
                 let way = (point.omega - range[0]) / (range[1] - range[0]);
-                progress.fraction(
-                    Stage::Forced,
-                    (index as f64 + way.clamp(0.0, 1.0)) / levels.len() as f64,
-                );
+                done(share * way.clamp(0.0, 1.0));
                 flow(progress)
             })?;
             let mut finder = Finder::try_new(about.line, about.force, &load, held, &solver)?;
@@ -130,8 +132,20 @@ impl VibrationAnalysis for Forced {
                 level,
             };
             let apart = [resonances.as_slice(), &at_frequencies];
+            let swept = match &settings.sweep {
+                Some(sweep) => {
+                    Some(
+                        about.sweep(sweep, (&load.cosine, level), range, (&curve, &resonances), &mut |way| {
+                            done(share + (1.0 - share) * way);
+                            flow(progress)
+                        })?,
+                    )
+                }
+                None => None,
+            };
             let mut response = ForcedResponse::new(&observed, curve, apart, exponents, synthesis);
             response.open_peaks = open_peaks;
+            response.sweep = swept;
             checkpoint.add(index, &response);
             responses.push(response);
         }
@@ -176,6 +190,8 @@ pub struct ForcedResponse {
     pub open_peaks: Vec<OpenPeak>,
     /// The response of the nonlinear mode alone, where there is an EPMC backbone.
     pub synthesis: Vec<synthesis::Point>,
+    /// What a sweep finds, if one is asked for.
+    pub sweep: Option<Swept>,
     /// Why the curve ends early, if it does.
     pub failure: Option<Failure>,
     /// Work done.
@@ -314,6 +330,7 @@ impl ForcedResponse {
             resonances: apart(resonances),
             at_frequencies: apart(at_frequencies),
             open_peaks: Vec::new(),
+            sweep: None,
             synthesis,
             failure: curve.failure,
             effort: curve.effort,
@@ -392,6 +409,9 @@ pub struct ForcedSummary {
     /// Peaks of the first harmonic, and of shares of the others, whose height is not known to a thousandth: number of the harmonic and frequency (Hz).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub open_peaks: Vec<(usize, f64)>,
+    /// What a sweep finds, if one is asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<Swept>,
     /// The largest first harmonic of the curve: frequency (Hz) and amplitude (m).
     pub peak: Option<[f64; 2]>,
     /// The same by the response of the nonlinear mode alone, where an EPMC backbone is there.
@@ -620,6 +640,7 @@ impl ForcedSummary {
                 .iter()
                 .map(|open| (open.harmonic, open.omega / TAU))
                 .collect(),
+            sweep: of.sweep.clone(),
             single_mode_error: peak.zip(alone).map(|(p, a)| [a[0] / p[0] - 1.0, a[1] / p[1] - 1.0]),
             peak,
             single_mode_peak: alone,

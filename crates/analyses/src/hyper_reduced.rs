@@ -89,7 +89,7 @@ impl CaseStructure {
                     Some(_) => quiet += 1,
                     None => {}
                 }
-                found_point(case, &point, loading.response, motion, None)
+                found_point(request.background(), &point, loading.response, motion, None)
             });
             let mode = case_mode(request, amplitudes.collect());
             let training_case =
@@ -111,7 +111,7 @@ impl CaseStructure {
         training_cases: Vec<TrainingCase>,
     ) -> Result<Training, Error> {
         let locked = self.solver().locked(case)?;
-        let vibrating = locked.as_ref().unwrap_or(self.reduced());
+        let vibrating = locked.as_ref().unwrap_or(&self.model().reduced);
         let followed = &case.analyses.modes.followed;
         let mut of_modes: Vec<Vec<TrainingMode>> = followed.iter().map(|_| Vec::new()).collect();
         for training_case in training_cases {
@@ -145,7 +145,7 @@ impl CaseStructure {
             let mode = request.mode + 1;
             let learned = training.modes.iter().find(|(own, _)| *own == mode);
             let (_, learned) = learned.ok_or(hyper_reduction::Error::Mode { mode })?;
-            let amplitudes = request.loops_by(case, learned.as_ref().ok(), borne)?;
+            let amplitudes = request.loops_by(learned.as_ref().ok(), borne)?;
             Ok(case_mode(request, amplitudes))
         };
         self.on_modes(case, interface, progress, one)
@@ -160,13 +160,14 @@ impl CaseStructure {
         one: impl FnMut(&Request<'_>) -> Result<R, Error>,
     ) -> Result<Vec<R>, Error> {
         let solver = self.solver();
-        let reduced = self.reduced();
+        let reduced = &self.model().reduced;
         let (prestress, _) = solver.static_state(case, &interface.interface, interface.closure, progress)?;
         let static_load = load_of(reduced, &prestress.tensions);
         let locked = solver.locked(case)?;
         let vibrating = locked.as_ref().unwrap_or(reduced);
         let force = InterfaceForce::new(&interface.interface);
-        let line = linearise(case, vibrating, &force, &prestress.solution)?;
+        let mut line = linearise(case, vibrating, &force, &prestress.solution)?;
+        line.dampers = self.model().dampers(vibrating);
         let response = response(vibrating);
         let about = Linearised {
             scene: case,
@@ -197,12 +198,7 @@ impl CaseStructure {
 
 impl Request<'_> {
     /// Loops by what was learned, and those of the whole joint where that is not enough.
-    fn loops_by(
-        &self,
-        case: &Scene,
-        learned: Option<&Trained>,
-        borne: ErrorBounds,
-    ) -> Result<Vec<Result<CasePoint, String>>, Error> {
+    fn loops_by(&self, learned: Option<&Trained>, borne: ErrorBounds) -> Result<Vec<Result<CasePoint, String>>, Error> {
         use cqsma_solver::Error::Interrupted;
         use hyper_reduction::Error::Solver;
         let (loading, settings) = (self.loading()?, self.settings());
@@ -233,11 +229,23 @@ impl Request<'_> {
         let points = by_few.iter().filter_map(|found| match (found, estimate_of(found)) {
             (Some(found), Some(estimate)) => {
                 let (point, motion) = (&found.point, found.response_motion);
-                Some(found_point(case, point, loading.response, motion, Some(estimate)))
+                Some(found_point(
+                    self.background(),
+                    point,
+                    loading.response,
+                    motion,
+                    Some(estimate),
+                ))
             }
             _ => {
                 let (point, motion) = of_whole.next()?;
-                Some(found_point(case, &point, loading.response, motion.half_range(), None))
+                Some(found_point(
+                    self.background(),
+                    &point,
+                    loading.response,
+                    motion.half_range(),
+                    None,
+                ))
             }
         });
         Ok(points.collect())
@@ -248,13 +256,14 @@ fn case_mode(request: &Request<'_>, amplitudes: Vec<Result<CasePoint, String>>) 
     CaseMode {
         mode: request.mode + 1,
         linear_frequency_hz: request.about.line.eigenvalues[request.mode].max(0.0).sqrt() / TAU,
+        background: request.background(),
         amplitudes,
     }
 }
 
-/// An amplitude of a case; a mass-normalised motion moves the response point by `response`.
+/// An amplitude of a case, with its damping ratio apart from friction; a mass-normalised motion moves the response point by `response`.
 fn found_point(
-    case: &Scene,
+    background: f64,
     point: &BackbonePoint,
     response: f64,
     response_motion: f64,
@@ -263,7 +272,7 @@ fn found_point(
     let result = point.result.as_ref().map_err(|failure| failure.reason.to_string())?;
     let displacement = result.modal_amplitude * response.abs();
     Ok(CasePoint {
-        point: VariantPoint::of(result, displacement, response_motion, case.background_damping),
+        point: VariantPoint::of(result, displacement, response_motion, background),
         estimate,
     })
 }

@@ -39,6 +39,7 @@ mod sensitivities;
 pub mod shock;
 mod solve;
 mod solver;
+pub mod sweep;
 mod tightening;
 pub mod uncertainty;
 pub mod validity;

@@ -44,6 +44,11 @@ pub(super) struct Base {
 }
 
 impl Linearised<'_> {
+    /// Damping ratio of a linearised mode, zero-based, apart from friction: that of the scene, and that of the structure's dampers.
+    pub(super) fn background(&self, mode: usize) -> f64 {
+        self.scene.background_damping + self.line.damper_ratio(mode)
+    }
+
     /// What an excitation of one of the scene's analyses does: an acceleration of the supports loads the structure with minus the momentum per velocity.
     pub(super) fn drive(&self, excitation: &Excitation) -> Drive {
         let number = self.scene.analyses.recovered(excitation);

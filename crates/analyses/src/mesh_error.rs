@@ -217,9 +217,8 @@ impl MeshEstimate {
         let modes = run.backbones.iter().zip(&other.backbones).filter_map(|(own, partner)| {
             let at = own.mode - 1;
             let linear_frequency = estimate(*run.frequencies.get(at)?, *other.frequencies.get(at)?);
-            let background = run.scene.background_damping;
-            let backbone = Backbone::try_new("other formulation", points(partner, background)).ok();
-            let amplitudes = points(own, background).into_iter().filter_map(|point| {
+            let backbone = Backbone::try_new("other formulation", points(partner)).ok();
+            let amplitudes = points(own).into_iter().filter_map(|point| {
                 let (frequency_hz, damping) = backbone.as_ref()?.at_or_beyond(point.amplitude, BESIDE)?;
                 let both = point.damping_ratio.zip(damping);
                 Some(AmplitudeEstimate {
@@ -252,13 +251,13 @@ impl MeshEstimate {
 }
 
 /// Backbone over the displacement by the mode.
-fn points(mode: &ModeBackbone, background: f64) -> Vec<Point> {
+fn points(mode: &ModeBackbone) -> Vec<Point> {
     let converged = mode.amplitudes.iter().filter_map(|amplitude| {
         let result = amplitude.point.result.as_ref().ok()?;
         Some(Point {
             amplitude: amplitude.response_displacement?,
             frequency_hz: result.omega / TAU,
-            damping_ratio: result.is_resolved().then_some(result.zeta + background),
+            damping_ratio: result.is_resolved().then_some(result.zeta + mode.background),
         })
     });
     converged.collect()

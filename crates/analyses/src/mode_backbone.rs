@@ -15,6 +15,8 @@ use std::f64::consts::TAU;
 pub struct ModeBackbone {
     /// The mode, counted from 1.
     pub mode: usize,
+    /// Its damping ratio apart from friction: that of the scene, and that of the structure's dampers in the linearised mode.
+    pub background: f64,
     /// Amplitudes in ascending order.
     pub amplitudes: Vec<AmplitudeResult>,
     /// Results of the methods beside CQSMA, in the scene's order.
@@ -32,14 +34,16 @@ impl ModeBackbone {
     ///
     /// # Errors
     /// [`Error::Comparison`].
-    pub fn over_acceleration(&self, background: f64) -> Result<Vec<(String, Backbone)>, Error> {
-        backbones(&self.amplitudes, &self.methods, self.epmc.as_ref(), background)
+    pub fn over_acceleration(&self) -> Result<Vec<(String, Backbone)>, Error> {
+        backbones(&self.amplitudes, &self.methods, self.epmc.as_ref(), self.background)
     }
 }
 
 /// One mode, before its validity is judged.
 pub(crate) struct ModeAnalysis {
     pub(crate) mode: usize,
+    /// As [`ModeBackbone::background`].
+    pub(crate) background: f64,
     /// [`Validity::separation_modal_force`].
     pub(crate) separation: Option<f64>,
     /// Relative error of the linearised frequency by the modes that the reduction leaves out.
@@ -52,8 +56,8 @@ pub(crate) struct ModeAnalysis {
 
 impl ModeAnalysis {
     /// As [`ModeBackbone::over_acceleration`].
-    pub(crate) fn over_acceleration(&self, background: f64) -> Result<Vec<(String, Backbone)>, Error> {
-        backbones(&self.amplitudes, &self.methods, self.epmc.as_ref(), background)
+    pub(crate) fn over_acceleration(&self) -> Result<Vec<(String, Backbone)>, Error> {
+        backbones(&self.amplitudes, &self.methods, self.epmc.as_ref(), self.background)
     }
 }
 

@@ -276,7 +276,7 @@ impl Followed {
 
     fn of(about: &Linearised<'_>, drive: &Drive, of: &ModeAnalysis) -> Result<Self, RandomFailure> {
         let mode = of.mode - 1;
-        let background = about.scene.background_damping;
+        let background = of.background;
         let mut points: Vec<[f64; 3]> = Vec::new();
         let (mut power, mut sliding, mut motion) = (Vec::<Vec<f64>>::new(), Vec::new(), Vec::new());
         for amplitude in &of.amplitudes {
@@ -346,20 +346,19 @@ impl Vibrating {
     fn new(about: &Linearised<'_>, drive: &Drive, followed: Vec<Followed>) -> Result<Self, Error> {
         let line = about.line;
         let along = |row: &[f64], shape: &[f64]| row.iter().zip(shape).map(|(a, b)| a * b).sum::<f64>();
-        let background = about.scene.background_damping;
         let others = (0..line.eigenvalues.len()).filter(|mode| followed.iter().all(|of| of.mode != *mode));
         let linear: Vec<(usize, Oscillator)> = others
             .map(|mode| {
                 let shape = line.shapes.col_as_slice(mode);
                 let oscillator = Oscillator {
                     omega: line.eigenvalues[mode].max(0.0).sqrt(),
-                    zeta: background,
+                    zeta: about.background(mode),
                     load: along(&drive.row, shape),
                     response: along(about.response, shape),
                 };
                 (mode, oscillator)
             })
-            .filter(|_| background > 0.0)
+            .filter(|(_, oscillator)| oscillator.zeta > 0.0)
             .collect();
         let slow = line.tangent_response(about.force.pattern(), line.stuck_tangent(), &drive.row, STATIC)?;
         let of_modes = followed
@@ -374,7 +373,7 @@ impl Vibrating {
                 let flexibility = along(about.response, &displacement);
                 [flexibility, flexibility - of_modes]
             }),
-            undamped: background == 0.0 && line.eigenvalues.len() > followed.len(),
+            undamped: followed.len() + linear.len() < line.eigenvalues.len(),
             followed,
             linear,
             base: drive.base,

@@ -66,7 +66,7 @@ pub fn study(
         // The first run shows its stages, and reduces the structure for all.
         let quiet: &dyn Progress = if index == 0 { progress } else { &Silent };
         let run = Prepared::try_new(&scene, &structure, options, quiet)?.solve(quiet)?;
-        let member = Member::of(index, run.amplitudes(), scene.background_damping);
+        let member = Member::of(index, run.amplitudes(), run.first().background);
         let [frequency_change_hz, damping_change] = match &first {
             None => [0.0; 2],
             Some(first) => differences(first, &member),

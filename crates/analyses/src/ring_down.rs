@@ -59,7 +59,7 @@ impl VibrationAnalysis for scenes::RingDown {
         let Start {
             about, modes, progress, ..
         } = start;
-        let theories = modes[0].over_acceleration(about.scene.background_damping);
+        let theories = modes[0].over_acceleration();
         let found = about.motion(self, progress).map(|motion| RingDown {
             identified: theories.and_then(|theories| Identified::of(&motion, theories)),
             motion,

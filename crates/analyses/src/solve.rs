@@ -135,8 +135,7 @@ impl Prepared {
             let (interface, closure) = self.interface.realisation(k, load)?;
             solver.analyse(&scene, &interface, closure, None, progress)
         };
-        let describe = |k, found: Result<&Analysis, Error>| Member::new(k, found, scene.background_damping);
-        let (members, checkpoints) = realisations.run(checkpoint, analyse, describe)?;
+        let (members, checkpoints) = realisations.run(checkpoint, analyse, Member::new)?;
         progress.end(Stage::Ensemble);
         Ok((Ensemble::new(members, &analysis.modes[0].amplitudes), checkpoints))
     }
@@ -196,6 +195,7 @@ impl Prepared {
                 &found.amplitudes,
             ),
             mode: found.mode,
+            background: found.background,
             amplitudes: found.amplitudes,
             methods: found.methods,
             epmc: found.epmc.map(|epmc| EpmcBackbone {

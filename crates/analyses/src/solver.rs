@@ -159,6 +159,7 @@ impl Solver<'_> {
         let stop = || progress.interrupted();
         let mut line = linearise(scene, vibrating, &force, &prestress.solution)?;
         line.limits = line.limits.until(&stop);
+        line.dampers = self.model.dampers(vibrating);
         let sensitivities = match self.neighbours {
             [] => None,
             neighbours => Some(Sensitivities::try_new(

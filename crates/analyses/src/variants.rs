@@ -169,18 +169,18 @@ impl Variant {
 }
 
 impl Curve {
-    fn new(found: &ModeAnalysis, frequencies: &[f64], background: f64) -> Self {
+    fn new(found: &ModeAnalysis, frequencies: &[f64]) -> Self {
         let points = found
             .amplitudes
             .iter()
-            .filter_map(|amplitude| VariantPoint::new(amplitude, background));
+            .filter_map(|amplitude| VariantPoint::new(amplitude, found.background));
         let mut points: Vec<VariantPoint> = points.collect();
         points.sort_by(|a, b| a.modal_amplitude.total_cmp(&b.modal_amplitude));
         points.dedup_by_key(|point| point.modal_amplitude);
         Self {
             mode: found.mode,
             linear_frequency_hz: frequencies.get(found.mode - 1).copied().unwrap_or(f64::NAN),
-            background,
+            background: found.background,
             points,
             sensitivities: found.sensitivities.clone(),
         }
@@ -516,14 +516,13 @@ impl<'a> Variants<'a> {
     }
 
     fn variant(&self, inputs: Vec<f64>, found: Result<&Analysis, Error>) -> Variant {
-        let background = self.scene.background_damping;
         match found {
             Ok(analysis) => Variant {
                 inputs,
                 curves: analysis
                     .modes
                     .iter()
-                    .map(|mode| Curve::new(mode, &analysis.frequencies, background))
+                    .map(|mode| Curve::new(mode, &analysis.frequencies))
                     .collect(),
                 failure: None,
             },

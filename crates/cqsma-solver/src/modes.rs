@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::error::check_size;
 use crate::force::{HystereticForce, PatternView};
-use crate::linear::{RoundOff, Stuck, UnitLoad, solve_krylov, symmetrised};
+use crate::linear::{RoundOff, Stuck, UnitLoad, dot, solve_krylov, symmetrised};
 use crate::newton::Equilibrium;
 use contact_laws::Sticking;
 use dense_algebra::{Inner, Limits, SystemMatrixRef};
@@ -26,6 +26,9 @@ pub struct Linearisation<'a, S> {
     pub eigenvalues: Vec<f64>,
     /// Mass-normalised mode shapes, `n x n_modes`.
     pub shapes: Mat<f64>,
+    /// Rows `d` of viscous dampers, each of which resists with `d (d^T v')` (sqrt(kg/s)); none by default. They act in motions in time and in forced ones,
+    /// and in no mode of this structure.
+    pub dampers: Vec<Vec<f64>>,
     /// Asked often by the analyses about this state; by default it never ends them.
     pub limits: Limits<'a>,
 }
@@ -123,6 +126,16 @@ impl<'a, S> Linearisation<'a, S> {
             .iter()
             .map(|w2| w2.max(0.0).sqrt() / (2.0 * std::f64::consts::PI))
             .collect()
+    }
+
+    /// Damping ratio of a mode, zero-based, by the dampers alone: `sum (d^T phi)^2 / (2 omega)`; zero of a mode without stiffness.
+    pub fn damper_ratio(&self, mode: usize) -> f64 {
+        let (shape, eigenvalue) = (self.shapes.col_as_slice(mode), self.eigenvalues[mode]);
+        let along = self.dampers.iter().map(|damper| dot(damper, shape).powi(2));
+        match eigenvalue > 0.0 {
+            true => along.sum::<f64>() / (2.0 * eigenvalue.sqrt()),
+            false => 0.0,
+        }
     }
 
     /// Turns the signs of the shapes so that the given row (for example a response) is not negative on each of them.
@@ -253,6 +266,7 @@ pub fn linearise<'a, F: HystereticForce>(
         contact_force,
         eigenvalues,
         shapes,
+        dampers: Vec::new(),
         limits: Limits::default(),
     })
 }

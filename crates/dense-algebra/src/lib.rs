@@ -48,6 +48,16 @@ pub enum Error {
         /// Size of the matrix.
         size: usize,
     },
+    /// A matrix that must be positive semi-definite is not.
+    #[error(
+        "the matrix is not positive semi-definite: coordinate {coordinate} of {size} has most of a negative eigenvector"
+    )]
+    NotSemidefinite {
+        /// Coordinate with the largest part in the eigenvector of the lowest eigenvalue, counted from 0.
+        coordinate: usize,
+        /// Size of the matrix.
+        size: usize,
+    },
     /// More eigenpairs are asked for than there are.
     #[error(
         "{count} eigenpairs are asked for, but the semi-definite matrix of size {size} has fewer, or is not finite"
@@ -267,6 +277,48 @@ pub fn nearest_rotation(a: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
 /// # Errors
 /// [`Error::NoConvergence`].
 pub fn rank(a: MatRef<'_, f64>) -> Result<usize, Error> {
+    let (unit, _) = with_unit_diagonal(a);
+    let values = symmetric_eigenvalues(unit.as_ref())?;
+    let round_off = unit_round_off(values.len());
+    Ok(values.iter().filter(|value| **value > round_off).count())
+}
+
+/// `F` with as many columns as the rank of a positive semi-definite `a = F F^T`; only the lower triangle of `a` is read. Units of the coordinates
+/// do not matter. Eigenvalues of the matrix scaled to a unit diagonal that are negative by less than `tolerance` count as zero.
+///
+/// # Errors
+/// [`Error::NotSemidefinite`], [`Error::NoConvergence`].
+pub fn semidefinite_factor(a: MatRef<'_, f64>, tolerance: f64) -> Result<Mat<f64>, Error> {
+    let size = a.nrows();
+    let (unit, scaled) = with_unit_diagonal(a);
+    // What has no diagonal has nothing beside it.
+    let has_diagonal = |i: usize| scaled.binary_search_by_key(&i, |(row, _)| *row).is_ok();
+    for j in (0..size).filter(|j| !has_diagonal(*j)) {
+        let column = (0..size).map(|i| a[(i.max(j), i.min(j))]);
+        if column.into_iter().any(|value| value != 0.0) {
+            return Err(Error::NotSemidefinite { coordinate: j, size });
+        }
+    }
+    let (values, vectors) = symmetric_eigen(unit.as_ref())?;
+    if let Some(lowest) = values.first().filter(|value| **value < -tolerance || value.is_nan()) {
+        let column = (0..scaled.len()).map(|i| if lowest.is_nan() { 0.0 } else { vectors[(i, 0)].abs() });
+        let most = column.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        let coordinate = most.map_or(0, |(i, _)| scaled[i].0);
+        return Err(Error::NotSemidefinite { coordinate, size });
+    }
+    let round_off = unit_round_off(values.len());
+    let kept: Vec<usize> = (0..values.len()).filter(|k| values[*k] > round_off).collect();
+    let mut factor = Mat::zeros(size, kept.len());
+    for (column, &k) in kept.iter().enumerate() {
+        for (i, &(row, scale)) in scaled.iter().enumerate() {
+            factor[(row, column)] = vectors[(i, k)] * values[k].sqrt() / scale;
+        }
+    }
+    Ok(factor)
+}
+
+/// A symmetric matrix scaled to a unit diagonal, without the rows whose diagonal is not positive, and the rows that are left with their factors.
+fn with_unit_diagonal(a: MatRef<'_, f64>) -> (Mat<f64>, Vec<(usize, f64)>) {
     let scaled: Vec<(usize, f64)> = (0..a.nrows())
         .map(|i| (i, a[(i, i)].sqrt().recip()))
         .filter(|(_, scale)| scale.is_finite())
@@ -276,9 +328,12 @@ pub fn rank(a: MatRef<'_, f64>) -> Result<usize, Error> {
         let ((i, of_row), (j, of_column)) = (scaled[i], scaled[j]);
         a[(i.max(j), i.min(j))] * of_row * of_column
     });
-    let values = symmetric_eigenvalues(unit.as_ref())?;
-    let round_off = 16.0 * f64::EPSILON * n as f64;
-    Ok(values.iter().filter(|value| **value > round_off).count())
+    (unit, scaled)
+}
+
+/// Eigenvalues of a matrix of unit diagonal that say nothing.
+fn unit_round_off(size: usize) -> f64 {
+    16.0 * f64::EPSILON * size as f64
 }
 
 fn eigen(a: MatRef<'_, f64>, vectors: Option<MatMut<'_, f64>>) -> Result<Vec<f64>, Error> {

@@ -2,8 +2,8 @@
 
 use dense_algebra::{
     Error, ReflectedInverse, Reflection, Symmetric, add_product_lower, cholesky, cholesky_in_place, congruent,
-    lowest_pairs, product, rank, solve_general, solve_lower, solve_lower_transposed, symmetric_eigen,
-    symmetric_eigenvalues, symmetric_pair,
+    lowest_pairs, product, rank, semidefinite_factor, solve_general, solve_lower, solve_lower_transposed,
+    symmetric_eigen, symmetric_eigenvalues, symmetric_pair,
 };
 use faer::Mat;
 
@@ -197,6 +197,39 @@ fn the_rank_does_not_depend_on_units_and_bounds_the_eigenpairs_there_are() {
     assert!(values.iter().all(|value| *value > 0.0));
     let error = lowest_pairs(identity.as_ref(), mass.as_ref(), 3).unwrap_err();
     assert!(matches!(error, Error::Rank { size: 5, count: 3 }), "{error}");
+}
+
+#[test]
+fn a_semidefinite_matrix_is_the_square_of_its_factor_in_any_units() {
+    let units = [1.0, 1e-6, 1e3, 1.0, 1e8];
+    let seen = [[1.0, 0.0], [1.0, 1.0], [0.0, 2.0], [0.0, 0.0], [3.0, -3.0]];
+    let matrix = |other: f64| {
+        let of = |i: usize, j: usize| seen[i][0] * seen[j][0] + other * seen[i][1] * seen[j][1];
+        Mat::from_fn(5, 5, |i, j| units[i] * units[j] * of(i, j))
+    };
+    let factor = semidefinite_factor(matrix(1.0).as_ref(), 1e-9).unwrap();
+    assert_eq!((factor.nrows(), factor.ncols()), (5, 2));
+    let (again, given) = (product(factor.as_ref(), factor.transpose()), matrix(1.0));
+    for i in 0..5 {
+        for j in 0..5 {
+            assert!((again[(i, j)] - given[(i, j)]).abs() < 1e-13 * 9.0 * units[i] * units[j]);
+        }
+    }
+    assert_eq!(
+        semidefinite_factor(Mat::<f64>::zeros(3, 3).as_ref(), 1e-9)
+            .unwrap()
+            .ncols(),
+        0
+    );
+    // A second direction that gives energy, and a coordinate without a diagonal beside which something stands.
+    for wrong in [
+        Mat::from_fn(2, 2, |i, j| if i == j { 1.0 } else { 1.5 }),
+        Mat::from_fn(2, 2, |i, j| if i + j == 0 { 1.0 } else { f64::from(u8::from(i != j)) }),
+        Mat::from_fn(1, 1, |_, _| -1.0),
+    ] {
+        let error = semidefinite_factor(wrong.as_ref(), 1e-9).unwrap_err();
+        assert!(matches!(error, Error::NotSemidefinite { .. }), "{error}");
+    }
 }
 
 /// A positive definite matrix that is cheap to make.

@@ -161,11 +161,14 @@ pub(crate) fn amplitude(unknown: &Unknown, held: Held<'_>, share: f64, free: usi
     })
 }
 
-fn check(n: usize, load: &Load, held: Held<'_>, settings: &Settings) -> Result<(), Error> {
-    for row in [&load.cosine, &load.sine] {
+fn check<S>(line: &Linearisation<'_, S>, load: &Load, held: Held<'_>, settings: &Settings) -> Result<(), Error> {
+    let n = line.shapes.nrows();
+    let loads = [&load.cosine, &load.sine].map(|row| ("the load", row));
+    let dampers = line.dampers.iter().map(|row| ("the row of a damper", row));
+    for (what, row) in loads.into_iter().chain(dampers) {
         if row.len() != n {
             return Err(Error::Size {
-                what: "the load",
+                what,
                 found: row.len(),
                 expected: n,
             });
@@ -265,10 +268,10 @@ impl<'a, 's, F: PointwiseForce> Tracer<'a, 's, F> {
         held: Held<'s>,
         settings: &'s Settings,
     ) -> Result<Self, Error> {
-        check(line.shapes.nrows(), load, held, settings)?;
+        check(line, load, held, settings)?;
         let (background, rayleigh, sampling) = (settings.background, settings.rayleigh, settings.sampling);
         Ok(Self {
-            system: System::new(line, law, load.clone(), background, rayleigh, sampling),
+            system: System::new(line, law, load.clone(), background, rayleigh, &line.dampers, sampling),
             settings,
             held,
             share: 1.0,

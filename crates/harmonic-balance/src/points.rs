@@ -61,14 +61,16 @@ impl<'a, 's, F: PointwiseForce> Finder<'a, 's, F> {
         })
     }
 
-    /// The resonances: one for each place where the part of the motion in phase with the load becomes negative, so that the point of a single force moves a
-    /// quarter period behind it.
+    /// The resonances: one for each place where the part of the motion in phase with the load becomes negative towards higher frequencies, so that the point of a
+    /// single force moves a quarter period behind it.
     ///
     /// # Errors
     /// [`Error::Interrupted`].
     pub fn resonances(&mut self, curve: &Curve) -> Result<Vec<Result<Between, Failure>>, Error> {
         let load = self.tracer.system.load.clone();
-        let in_phase = |point: &Point| load.along(&point.displacement)[0];
+        let [from, to] = self.tracer.settings.range;
+        let upwards = (to - from).signum();
+        let in_phase = |point: &Point| upwards * load.along(&point.displacement)[0];
         let held = self.tracer.held;
         let free = match held {
             Held::Force(_) => &[Parameter::Square][..],

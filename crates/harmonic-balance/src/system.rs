@@ -7,7 +7,7 @@
 //!
 //! `b = 2 zeta omega^2` is the negative damping that sustains a free periodic motion (Krack 2015, DOI
 //! 10.1016/j.compstruc.2015.03.008), `C = sum_k 2 beta omega_k M phi_k phi_k^T M + c_m M + c_k K` the viscous damping of a forced one, and
-//! `E_1` its force.
+//! `E_1` its force; with dampers `d`, `sum d d^T` belongs to `C` too.
 //!
 //! # Linear solves
 //! `P^-1` is at hand as a matrix. Of the dynamic stiffness of the stuck structure, `P - (h^2 a + i h b) M`, it misses the inertia, which
@@ -146,8 +146,16 @@ pub(crate) struct System<'a, F: PointwiseForce> {
     background: Vec<f64>,
     /// Factors of mass (1/s) and stiffness without contact (s) in a proportional damping.
     rayleigh: [f64; 2],
+    /// Rows of viscous dampers.
+    dampers: &'a [Vec<f64>],
+    /// What they take of each mode, `sum (d^T phi_k)^2`.
+    damped: Vec<f64>,
     pub(crate) load: Load,
     sampling: Sampling,
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// `y += a x`.
@@ -189,6 +197,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         load: Load,
         background: f64,
         rayleigh: [f64; 2],
+        dampers: &'a [Vec<f64>],
         sampling: Sampling,
     ) -> Self {
         let mass = line.mass().packed();
@@ -215,6 +224,13 @@ impl<'a, F: PointwiseForce> System<'a, F> {
             elastic,
             averaged: None,
             rayleigh,
+            dampers,
+            damped: (0..line.eigenvalues.len())
+                .map(|mode| {
+                    let shape = line.shapes.col_as_slice(mode);
+                    dampers.iter().map(|damper| dot(damper, shape).powi(2)).sum()
+                })
+                .collect(),
             load,
             sampling,
         }
@@ -373,7 +389,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         let [of_mass, of_stiffness] = self.rayleigh;
         let has_background = self.background.iter().any(|c| *c != 0.0);
         let is_proportional = [of_mass, of_stiffness] != [0.0; 2];
-        if !has_background && !is_proportional {
+        if !has_background && !is_proportional && self.dampers.is_empty() {
             return None;
         }
         let mut force = Harmonics::zeros(x.size(), x.count());
@@ -393,6 +409,12 @@ impl<'a, F: PointwiseForce> System<'a, F> {
             force.add(of_stiffness, &elastic);
             force.add(of_mass, momentum);
         }
+        force.each_column(|column, force| {
+            for damper in self.dampers {
+                let rate = dot(damper, x.column(column));
+                force.iter_mut().zip(damper).for_each(|(f, d)| *f += rate * d);
+            }
+        });
         Some(force)
     }
 
@@ -628,7 +650,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
             let order = h as f64;
             for (mode, &lambda) in eigenvalues.iter().enumerate() {
                 let mut real = lambda - order * order * a;
-                let viscous = self.background[mode] + self.rayleigh[0] + self.rayleigh[1] * lambda;
+                let viscous = self.background[mode] + self.rayleigh[0] + self.rayleigh[1] * lambda + self.damped[mode];
                 let mut imaginary = order * (omega * viscous - b);
                 let closest = CLOSEST * lambda.abs();
                 if real.hypot(imaginary) < closest {

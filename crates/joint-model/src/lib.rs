@@ -223,6 +223,8 @@ pub struct ImportedBodies {
     pub response: Vec<f64>,
     /// What drives it in analyses beside a force at the response, in the order of the scene's drivers.
     pub excitations: Vec<ExcitedRow>,
+    /// Rows `d` of viscous dampers: the damping matrix is `sum d d^T` (d in sqrt(kg/s)).
+    pub dampers: Vec<Vec<f64>>,
     /// Whether the coordinates came over the jump, so that a reduction has been made already and all are retained.
     pub is_reduced: bool,
     /// Zero-energy modes that the structure with a stuck interface should have.

@@ -15,8 +15,6 @@ pub(crate) struct Case {
     pub(crate) structure: usize,
     /// Index of its surface.
     pub(crate) surface: usize,
-    /// Damping ratio apart from friction.
-    pub(crate) background: f64,
     /// What its results may be off by where it learns from other cases.
     pub(crate) learns: Option<ErrorBounds>,
 }

@@ -120,7 +120,7 @@ fn curves(study: &Study<'_>, store: &Store) -> Vec<Option<Curve>> {
     let curve = |index: &usize| {
         let case = study.cases.get(*index)?;
         let modes = store.get(&case.address)?.outcome.as_ref().ok()?;
-        Some(modes.first()?.curve(case.background))
+        Some(modes.first()?.curve())
     };
     study.of_plan.iter().map(curve).collect()
 }

@@ -54,6 +54,7 @@ struct Line {
 struct StoredMode {
     mode: usize,
     linear_frequency_hz: Option<f64>,
+    background: f64,
     points: Vec<StoredPoint>,
 }
 
@@ -96,6 +97,7 @@ impl Line {
         let mode = |mode: &CaseMode| StoredMode {
             mode: mode.mode,
             linear_frequency_hz: Some(mode.linear_frequency_hz),
+            background: mode.background,
             points: mode.amplitudes.iter().map(point).collect(),
         };
         Self {
@@ -148,6 +150,7 @@ impl Line {
         let mode = |mode: StoredMode| CaseMode {
             mode: mode.mode,
             linear_frequency_hz: number(mode.linear_frequency_hz),
+            background: mode.background,
             amplitudes: mode.points.into_iter().map(point).collect(),
         };
         Record {
@@ -319,6 +322,7 @@ mod tests {
             outcome: Ok(vec![CaseMode {
                 mode: 1,
                 linear_frequency_hz: 33.3,
+                background: 0.01,
                 amplitudes: points.iter().map(amplitude).collect(),
             }]),
         }

@@ -97,15 +97,15 @@ impl<'a> Study<'a> {
             let whole = study.in_full(number)?;
             let terms = study.plan.hyper_reduction.map(|plan| Terms::of(&whole, &plan));
             let keys = hasher.keys(&as_case(&whole))?;
-            Ok::<_, Error>((keys, whole.background_damping, terms))
+            Ok::<_, Error>((keys, terms))
         };
         let all: Vec<_> = (0..study.design.number).into_par_iter().map(understood).collect();
         let mut files = BTreeMap::new();
         let mut found = Vec::with_capacity(all.len());
         let mut terms = Vec::with_capacity(all.len());
         for understood in all {
-            let (keys, background, own) = understood?;
-            found.push((keys, background));
+            let (keys, own) = understood?;
+            found.push(keys);
             terms.push(own);
         }
         let index = |keys: BTreeSet<&String>| -> (Vec<String>, HashMap<String, usize>) {
@@ -113,18 +113,17 @@ impl<'a> Study<'a> {
             let places = sorted.iter().cloned().zip(0..).collect();
             (sorted, places)
         };
-        let (structures, of_structure) = index(found.iter().map(|(keys, _)| &keys.structure).collect());
-        let (_, of_surface) = index(found.iter().map(|(keys, _)| &keys.surface).collect());
+        let (structures, of_structure) = index(found.iter().map(|keys| &keys.structure).collect());
+        let (_, of_surface) = index(found.iter().map(|keys| &keys.surface).collect());
         let mut first: HashMap<&String, usize> = HashMap::new();
         let mut cases = Vec::new();
-        for (number, (keys, background)) in found.iter().enumerate() {
+        for (number, keys) in found.iter().enumerate() {
             first.entry(&keys.case).or_insert_with(|| {
                 cases.push(Case {
                     address: keys.case.clone(),
                     number,
                     structure: of_structure.get(&keys.structure).copied().unwrap_or_default(),
                     surface: of_surface.get(&keys.surface).copied().unwrap_or_default(),
-                    background: *background,
                     learns: None,
                 });
                 number
@@ -134,7 +133,7 @@ impl<'a> Study<'a> {
         let place: HashMap<&String, usize> = cases.iter().map(|case| &case.address).zip(0..).collect();
         let of_plan = found
             .iter()
-            .map(|(keys, _)| place.get(&keys.case).copied().unwrap_or_default());
+            .map(|keys| place.get(&keys.case).copied().unwrap_or_default());
         study.of_plan = of_plan.collect();
         // One case of each structure and surface names all files.
         for case in &cases {

@@ -33,6 +33,7 @@ pub mod sensitivity;
 pub mod several;
 pub mod shock;
 pub mod styles;
+mod sweep;
 pub mod tightening;
 pub mod uncertainty;
 

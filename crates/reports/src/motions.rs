@@ -150,6 +150,16 @@ impl<'a> PeriodicMotions<'a> {
                 ..solid(shade(index, n))
             });
         }
+        let swept = self.forced.iter().map(|level| level.sweep.as_ref()?.in_time.as_ref());
+        for (index, swept) in swept.enumerate().filter_map(|(index, swept)| Some((index, swept?))) {
+            let line = numbered(swept.frequency_hz.iter().copied().zip(swept.amplitude.iter().copied()));
+            curves.push(Curve {
+                name: (if index == 0 { "sweep in time" } else { "" }).into(),
+                dashes: Some((8, 3)),
+                points: inside(&line, &x, y),
+                ..solid(shade(index, n))
+            });
+        }
         let alone = self
             .single_mode
             .iter()

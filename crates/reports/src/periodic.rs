@@ -4,6 +4,7 @@ use crate::analysis::{Analysis, Document, Section};
 use crate::html::{MISSING, Picture, Table};
 use crate::motions::{PeriodicMotions, harmonics_picture, loops_picture};
 use crate::names::{by_mode, of_mode};
+use crate::sweep::{self, SWEEP};
 use crate::{Error, Output, csv, fields, plot};
 use analyses::Run;
 use analyses::forced::{ForcedSummary, PointSummary};
@@ -38,7 +39,7 @@ pub fn loops_file(mode: Option<usize>) -> String {
 pub(crate) static ANALYSIS: Analysis = Analysis {
     writes: |name| {
         let of_mode = [harmonics_file, loops_file].map(|of| of(by_mode(name).0));
-        [EPMC, LOOPS, FORCED, FORCED_PICTURE, PERIODIC].contains(&name) || of_mode.iter().any(|of| of == name)
+        [EPMC, LOOPS, FORCED, FORCED_PICTURE, PERIODIC, SWEEP].contains(&name) || of_mode.iter().any(|of| of == name)
     },
     document: |run, summary| {
         let Some(motions) = PeriodicMotions::of(run, summary) else {
@@ -52,6 +53,9 @@ pub(crate) static ANALYSIS: Analysis = Analysis {
     },
     lines: |summary| {
         let mut out: String = summary.forced.iter().map(|level| line(level) + "\n").collect();
+        for swept in summary.forced.iter().filter_map(|level| level.sweep.as_ref()) {
+            let _ = writeln!(out, "  {}", sweep::said(swept));
+        }
         for stability in stabilities(summary) {
             // Writing to a string cannot fail.
             let _ = writeln!(out, "stability: {stability}");
@@ -60,7 +64,11 @@ pub(crate) static ANALYSIS: Analysis = Analysis {
     },
     is_complete: |summary| {
         let mut levels = summary.forced.iter();
-        levels.all(|level| level.failure.is_none() && level.resonances.iter().all(|r| r.failure.is_none()))
+        levels.all(|level| {
+            let swept = level.sweep.iter().filter_map(|swept| swept.in_time.as_ref());
+            let found = level.resonances.iter().all(|r| r.failure.is_none());
+            level.failure.is_none() && found && swept.into_iter().all(|swept| swept.failure.is_none())
+        })
     },
 };
 
@@ -99,6 +107,12 @@ fn section(summary: &Summary, pictures: Vec<Picture<'static>>) -> Section {
         .into_iter()
         .map(|said| format!("Stability: {said}."));
     let mut remarks: Vec<String> = remarks.collect();
+    let sweeps = summary
+        .forced
+        .iter()
+        .filter_map(|level| Some((level, level.sweep.as_ref()?)));
+    remarks
+        .extend(sweeps.map(|(level, swept)| format!("{} {}: {}.", level.level, level.level_unit, sweep::said(swept))));
     if !summary.forced.is_empty() {
         let said =
             "Differences of the nonlinear mode alone are those of its largest amplitude and of the frequency there.";
@@ -244,6 +258,9 @@ fn files(run: &Run, motions: &PeriodicMotions<'_>) -> Result<(Vec<Output>, Vec<P
     };
     if !motions.forced.is_empty() {
         outputs.push(Output::new(FORCED, csv::forced(motions.forced)?));
+        if let Some(swept) = sweep::in_time(motions.forced)? {
+            outputs.push(Output::new(SWEEP, swept));
+        }
         let title = format!("{}: forced responses", run.scene.name);
         if let Some(picture) = motions.response_picture(&title)? {
             let caption = format!(

@@ -94,6 +94,63 @@ pub struct RotatingUnbalance {
     pub levels: Vec<Unbalance>,
 }
 
+/// A sweep of the frequency at a given rate; one of the two is given.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Sweep {
+    /// Change of the frequency per second (Hz/s).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hz_per_s: Option<f64>,
+    /// Or the octaves that it passes per minute.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub octaves_per_minute: Option<f64>,
+}
+
+/// How the frequency of a sweep changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SweepRate {
+    /// By so many Hz per second.
+    Linear(f64),
+    /// By so many octaves per second.
+    Logarithmic(f64),
+}
+
+impl Sweep {
+    /// How its frequency changes.
+    pub fn rate(&self) -> SweepRate {
+        match self.octaves_per_minute {
+            Some(octaves) => SweepRate::Logarithmic(octaves / 60.0),
+            None => SweepRate::Linear(self.hz_per_s.unwrap_or(f64::NAN)),
+        }
+    }
+
+    fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
+        let fields = [
+            ("analyses.forced.sweep.hz_per_s", self.hz_per_s, "Hz/s"),
+            (
+                "analyses.forced.sweep.octaves_per_minute",
+                self.octaves_per_minute,
+                "octaves/min",
+            ),
+        ];
+        let given = fields.iter().filter(|(_, rate, _)| rate.is_some()).count();
+        check.that(
+            given == 1,
+            "analyses.forced.sweep",
+            given as f64,
+            "(of hz_per_s and octaves_per_minute given)",
+            "given by exactly one of the two",
+        )?;
+        for (field, rate, unit) in fields {
+            if let Some(rate) = rate {
+                check.positive(field, rate, unit)?;
+            }
+        }
+        Ok(())
+    }
+}
+
 /// What is held from point to point of a response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Held {
@@ -148,6 +205,9 @@ pub struct Forced {
     /// In their place, frequencies (Hz), ascending or descending, at which the responses are wanted; the curve goes from the first to the last.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub frequencies_hz: Vec<f64>,
+    /// Also what a sweep from the first frequency to the last finds, which does not wait for a steady motion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<Sweep>,
     /// Whether the stability of the motions is judged, by Floquet multipliers.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub stability: bool,
@@ -206,6 +266,7 @@ impl Forced {
             from_hz: Some(from_hz),
             to_hz: Some(to_hz),
             frequencies_hz: Vec::new(),
+            sweep: None,
             stability: false,
             harmonics: three(),
             samples: samples(),
@@ -406,6 +467,17 @@ impl Forced {
         let (base, force) = self.parts();
         check_excitation(check, &FIELDS, base.as_ref(), Some(&force), is_matrices)?;
         self.check_loads(check)?;
+        if let Some(sweep) = &self.sweep {
+            let one = self.forces.is_empty() && matches!(self.held(), Held::Force | Held::Acceleration);
+            check.that(
+                one && self.rayleigh.is_none(),
+                "analyses.forced.sweep",
+                1.0,
+                "(given)",
+                "given with one force or a moving base of given levels, and with background_damping or a damping matrix in the place of rayleigh",
+            )?;
+            sweep.validate(check)?;
+        }
         if let Some(rayleigh) = self.rayleigh {
             check.not_negative("analyses.forced.rayleigh.mass", rayleigh.mass, "1/s")?;
             check.not_negative("analyses.forced.rayleigh.stiffness", rayleigh.stiffness, "s")?;

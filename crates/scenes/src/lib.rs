@@ -51,7 +51,7 @@ pub use epmc::{AmplitudeRange, Amplitudes, Epmc, SamplingAccuracy};
 pub use error::{Error, behind_semicolon, quantity};
 pub use excitation::{BaseMotion, Driver, Excitation, PointForce};
 pub use finish::{Finish, FinishFace, Lengths, PowerLaw, Route};
-pub use forced::{Forced, ForcedBase, Held, PhasedForce, Rayleigh, RotatingUnbalance};
+pub use forced::{Forced, ForcedBase, Held, PhasedForce, Rayleigh, RotatingUnbalance, Sweep, SweepRate};
 pub use interfaces::{Interfaces, OwnInterface};
 pub use json::{parse as parse_json, read as read_json, without_comments};
 pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};

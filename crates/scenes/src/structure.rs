@@ -345,12 +345,12 @@ pub struct DeckResponse {
 ///
 /// | path | what is read |
 /// |---|---|
-/// | `.npz`, `.mat` | arrays `M`, `K`, `dofs`, and where they are there `Fv`, `R`, `L`, `frame`, `interface_nodes`, `interface_elements` |
+/// | `.npz`, `.mat` | arrays `M`, `K`, `dofs`, and where they are there `C` (viscous damping), `Fv`, `R`, `L`, `frame`, `interface_nodes`, `interface_elements` |
 /// | a folder | the same, each from a Matrix Market file such as `M.mtx` |
 /// | `.mtx` | a substructure of Abaqus: mass, stiffness, load cases, recovery |
 /// | `.sti` | stiffness and mass of CalculiX, with `.mas` and `.dof` beside it |
 /// | `.op4` | matrices of Nastran's `OUTPUT4` with the names of the arrays; `INTNODES` and `INTELEMS` are `interface_nodes` and `interface_elements` |
-/// | `.pch`, `.bdf`, `.dat` | entries `DMIG` of Nastran: `K` or `KAAX`, `M` or `MAAX`, and as numbered columns `FV` and the transpose of `R`; the grid points and scalar points (component 0) are the map |
+/// | `.pch`, `.bdf`, `.dat` | entries `DMIG` of Nastran: `K` or `KAAX`, `M` or `MAAX`, `B` or `BAAX`, and as numbered columns `FV` and the transpose of `R`; the grid points and scalar points (component 0) are the map |
 ///
 /// `dofs` has a row `label, component` for each coordinate, or for each row of `L` if there is one, which maps the
 /// coordinates of the matrices to those. Over the jump, label `k` is node `k` of the interface mesh, counted from 1, and

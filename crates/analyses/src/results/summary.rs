@@ -443,7 +443,7 @@ impl Summary {
                 .map(|&frequency_hz| ModeSummary { frequency_hz })
                 .collect(),
             backbone: backbone(run.first(), &run.scene, &run.parts),
-            methods: methods(run.first(), &run.scene),
+            methods: methods(run.first()),
             backbones: match run.backbones.as_slice() {
                 [_] => Vec::new(),
                 several => several.iter().map(|of| mode_backbone(of, run)).collect(),
@@ -636,13 +636,13 @@ fn hertz(omega: f64) -> f64 {
     omega / (2.0 * std::f64::consts::PI)
 }
 
-fn method(point: &MethodPoint, scene: &Scene) -> MethodSummary {
+fn method(point: &MethodPoint, background: f64) -> MethodSummary {
     match &point.result {
         Ok(values) => MethodSummary {
             response_displacement: Some(values.response_displacement),
             frequency_hz: Some(hertz(values.omega)),
             frequency_first_harmonic_hz: Some(hertz(values.harmonic_omega)),
-            damping_ratio: values.zeta.map(|zeta| zeta + scene.background_damping),
+            damping_ratio: values.zeta.map(|zeta| zeta + background),
             damping_floor: Some(values.zeta_floor),
             modal_force: Some(values.modal_force),
             modal_amplitude: Some(values.modal_amplitude),
@@ -663,7 +663,7 @@ fn mode_backbone(of: &ModeBackbone, run: &Run) -> ModeBackboneSummary {
         mode: of.mode,
         frequency_hz: run.frequencies[of.mode - 1],
         backbone: backbone(of, &run.scene, &run.parts),
-        methods: methods(of, &run.scene),
+        methods: methods(of),
         validity: of.validity.clone(),
     }
 }
@@ -674,12 +674,12 @@ fn sensitivities(of: &ModeBackbone) -> impl Iterator<Item = &Sensitivity> {
     of.sensitivities.iter().chain(free)
 }
 
-fn methods(of: &ModeBackbone, scene: &Scene) -> BTreeMap<String, Vec<MethodSummary>> {
-    let points = |points: &[MethodPoint]| points.iter().map(|p| method(p, scene)).collect();
+fn methods(of: &ModeBackbone) -> BTreeMap<String, Vec<MethodSummary>> {
+    let points = |points: &[MethodPoint]| points.iter().map(|p| method(p, of.background)).collect();
     let methods = of.methods.iter();
     let periodic = of.epmc.iter().map(|found| {
         let points = found.points.iter().zip(&found.response_displacement);
-        let points = points.map(|(point, displacement)| periodic(point, *displacement, scene));
+        let points = points.map(|(point, displacement)| periodic(point, *displacement, of.background));
         (EPMC.to_owned(), points.collect())
     });
     methods
@@ -688,7 +688,7 @@ fn methods(of: &ModeBackbone, scene: &Scene) -> BTreeMap<String, Vec<MethodSumma
         .collect()
 }
 
-fn periodic(point: &Point, response_displacement: Option<f64>, scene: &Scene) -> MethodSummary {
+fn periodic(point: &Point, response_displacement: Option<f64>, background: f64) -> MethodSummary {
     let effort = point.effort;
     let work = MethodSummary {
         iterations: Some(effort.iterations),
@@ -701,7 +701,7 @@ fn periodic(point: &Point, response_displacement: Option<f64>, scene: &Scene) ->
             response_displacement,
             frequency_hz: Some(hertz(motion.omega)),
             frequency_first_harmonic_hz: Some(hertz(motion.omega)),
-            damping_ratio: motion.zeta.map(|zeta| zeta + scene.background_damping),
+            damping_ratio: motion.zeta.map(|zeta| zeta + background),
             damping_floor: Some(motion.energy_error.max(motion.residual)),
             modal_force: Some(motion.omega * motion.omega * motion.modal_amplitude),
             modal_amplitude: Some(motion.modal_amplitude),
@@ -729,12 +729,17 @@ fn periodic(point: &Point, response_displacement: Option<f64>, scene: &Scene) ->
 fn backbone(of: &ModeBackbone, scene: &Scene, parts: &[PartReport]) -> Vec<BackboneSummary> {
     let holds = of.validity.separation_modal_force.unwrap_or(f64::INFINITY);
     (of.amplitudes.iter())
-        .map(|amplitude| backbone_point(amplitude, scene, parts, holds))
+        .map(|amplitude| backbone_point(amplitude, scene, parts, [of.background, holds]))
         .collect()
 }
 
-/// `holds` is the modal force up to which bolts can hold the structure together.
-fn backbone_point(amplitude: &AmplitudeResult, scene: &Scene, parts: &[PartReport], holds: f64) -> BackboneSummary {
+/// `background` is the damping ratio apart from friction, `holds` the modal force up to which bolts can hold the structure together.
+fn backbone_point(
+    amplitude: &AmplitudeResult,
+    scene: &Scene,
+    parts: &[PartReport],
+    [background, holds]: [f64; 2],
+) -> BackboneSummary {
     let point = &amplitude.point;
     let result = point.result.as_ref().ok();
     let fields = amplitude.fields.as_ref();
@@ -752,11 +757,11 @@ fn backbone_point(amplitude: &AmplitudeResult, scene: &Scene, parts: &[PartRepor
         frequency_hz: result.map(|r| hertz(r.omega)),
         frequency_first_harmonic_hz: result.map(|r| hertz(r.harmonic_omega)),
         half_frequencies_hz: result.map(|r| r.half_omegas.map(hertz)),
-        damping_ratio: zeta.map(|zeta| zeta + scene.background_damping),
+        damping_ratio: zeta.map(|zeta| zeta + background),
         friction_damping_ratio: zeta,
         damping_ratio_first_harmonic: result
             .filter(|r| r.is_resolved())
-            .map(|r| r.harmonic_zeta() + scene.background_damping),
+            .map(|r| r.harmonic_zeta() + background),
         damping_floor: result.map(|r| r.zeta_floor),
         dissipation: fields.map(|f| f.dissipation),
         loop_area: result.map(|r| r.loop_area),

@@ -14,12 +14,12 @@ use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::path::Path;
 
-fn summary(run: &Run) -> Summary {
+pub(crate) fn summary(run: &Run) -> Summary {
     Summary::new(run, Default::default(), None)
 }
 
 /// Two masses on springs, the first of which rests on the ground with dry friction; `analyses` of the first mode.
-fn oscillator(path: &Path, mu: f64, analyses: Value) -> Value {
+pub(crate) fn oscillator(path: &Path, mu: f64, analyses: Value) -> Value {
     let (ground, spring, masses) = (4e4, 6e4, [1.0, 2.0]);
     let stiffness = Mat::from_fn(2, 2, |i, j| match (i, j) {
         (0, 0) => ground + spring,

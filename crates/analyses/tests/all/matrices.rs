@@ -30,15 +30,15 @@ fn folder(test: &str) -> PathBuf {
     folder
 }
 
-fn read(scene: &Value) -> Scene {
+pub(crate) fn read(scene: &Value) -> Scene {
     Scene::from_json(&scene.to_string(), "the test's scene", "lap", &BENCHMARKS).unwrap()
 }
 
-fn go(scene: &Value) -> Run {
+pub(crate) fn go(scene: &Value) -> Run {
     run(&read(scene), &Options::default(), &Silent).unwrap()
 }
 
-fn refused(scene: &Value) -> String {
+pub(crate) fn refused(scene: &Value) -> String {
     run(&read(scene), &Options::default(), &Silent).unwrap_err().to_string()
 }
 
@@ -56,7 +56,7 @@ fn difference(a: &Run, b: &Run) -> [f64; 2] {
     })
 }
 
-fn dense(matrix: &CsMat<f64>) -> Dense<f64> {
+pub(crate) fn dense(matrix: &CsMat<f64>) -> Dense<f64> {
     let full = matrix.to_dense();
     let columns = (0..matrix.cols()).flat_map(|j| full.column(j).to_vec());
     Dense::try_new(matrix.rows(), matrix.cols(), columns.collect()).unwrap()
@@ -203,7 +203,7 @@ fn matrices_run_from_every_format_and_in_every_order_and_unit() {
 }
 
 /// Writes a reduced model in all formats; returns the paths.
-fn export(scene: &Scene, folder: &Path) -> (BTreeMap<String, Array>, [PathBuf; 4]) {
+pub(crate) fn export(scene: &Scene, folder: &Path) -> (BTreeMap<String, Array>, [PathBuf; 4]) {
     let structure = Structure::try_new(scene, &Silent).unwrap();
     let model = structure.reduce(&Options::default(), &Silent).unwrap();
     let arrays = arrays(&model, &structure.joint).unwrap();
@@ -238,7 +238,7 @@ fn plane(arrays: &BTreeMap<String, Array>) -> Value {
 }
 
 /// A scene on matrices over the jump, with all else from another one.
-fn on_jump(scene: &Value, path: &Path) -> Value {
+pub(crate) fn on_jump(scene: &Value, path: &Path) -> Value {
     let mut scene = scene.clone();
     scene["structure"] = json!({ "matrices": { "path": path, "coordinates": "jump" } });
     scene["model"] = json!({ "material": material() });

@@ -27,18 +27,18 @@ struct Level {
     pulse: f64,
 }
 
-/// Viscous modal damping: `C = sum 2 zeta omega_i (M phi_i) (M phi_i)^T`.
-struct ModalDamping {
-    /// `2 zeta omega_i` and `M phi_i`.
-    modes: Vec<(f64, Vec<f64>)>,
+/// Viscous damping: `C = sum 2 zeta omega_i (M phi_i) (M phi_i)^T + sum d d^T`, of modes and of dampers.
+struct Damping {
+    /// Factors and vectors of the terms.
+    terms: Vec<(f64, Vec<f64>)>,
 }
 
-impl ModalDamping {
+impl Damping {
     /// `C x`.
     fn product(&self, x: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; x.len()];
-        for (factor, momentum) in &self.modes {
-            add(&mut out, factor * dot(momentum, x), momentum);
+        for (factor, vector) in &self.terms {
+            add(&mut out, factor * dot(vector, x), vector);
         }
         out
     }
@@ -60,7 +60,7 @@ pub(super) struct Integrator<'a, F: HystereticForce> {
     scheme: Scheme,
     stiffness: Packed<'a>,
     mass: Packed<'a>,
-    damping: ModalDamping,
+    damping: Damping,
     /// By halvings of the step; the shorter ones are made when needed.
     levels: Vec<Level>,
     pub(super) sequence: Sequence<F>,
@@ -105,7 +105,9 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
     ) -> Self {
         let n = mode.shape.len();
         let mass = structure.mass.packed();
-        let mut damping = ModalDamping { modes: Vec::new() };
+        let mut damping = Damping {
+            terms: structure.dampers.iter().map(|damper| (1.0, damper.clone())).collect(),
+        };
         for (index, (shape, eigenvalue)) in structure.shapes.col_iter().zip(&structure.eigenvalues).enumerate() {
             let other = if index == settings.mode {
                 0.0
@@ -117,7 +119,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
                 let shape: Vec<f64> = shape.iter().copied().collect();
                 let mut momentum = vec![0.0; n];
                 mass.product_into(&shape, &mut momentum);
-                damping.modes.push((2.0 * ratio * eigenvalue.max(0.0).sqrt(), momentum));
+                damping.terms.push((2.0 * ratio * eigenvalue.max(0.0).sqrt(), momentum));
             }
         }
         let zeros = || vec![0.0; n];
@@ -233,9 +235,9 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         } = self.scheme;
         let inertia = (1.0 - alpha_m) / ((1.0 - alpha_f) * beta * step * step);
         let damping = gamma / (beta * step);
-        let modes = self.damping.modes.iter();
-        let viscous: Vec<(f64, &[f64])> = modes
-            .map(|(factor, momentum)| (damping * factor, momentum.as_slice()))
+        let terms = self.damping.terms.iter();
+        let viscous: Vec<(f64, &[f64])> = terms
+            .map(|(factor, vector)| (damping * factor, vector.as_slice()))
             .collect();
         let stiffness = self
             .structure
@@ -335,7 +337,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         if let Some(point) = self.start.point() {
             add(&mut load, after + old * before, point);
         }
-        if !self.damping.modes.is_empty() {
+        if !self.damping.terms.is_empty() {
             let rates = combine([
                 (level.damping, &ahead.displacement),
                 (-1.0 - old, &self.velocity),
@@ -355,7 +357,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
         };
         let pattern = self.force.pattern();
         pattern.add_product(level.stuck.tangent(), &self.displacement, &mut here.p);
-        if !self.damping.modes.is_empty() {
+        if !self.damping.terms.is_empty() {
             add(&mut here.p, level.damping, &self.damping.product(&self.displacement));
         }
         here
@@ -439,7 +441,7 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
             &self.mass_velocity,
             &self.mass_acceleration,
         );
-        if !self.damping.modes.is_empty() {
+        if !self.damping.terms.is_empty() {
             let (before, after) = (self.damping.product(&self.velocity), self.damping.product(&velocity));
             self.energy.viscous += work(&before, &after, &advance);
         }

@@ -95,6 +95,10 @@ pub fn run<F: HystereticForce>(
 fn check<S>(structure: &Linearisation<'_, S>, row: &[f64], start: &Start, settings: &Settings) -> Result<(), Error> {
     let n = structure.shapes.nrows();
     check_size("the row observed", row.len(), n)?;
+    structure
+        .dampers
+        .iter()
+        .try_for_each(|damper| check_size("the row of a damper", damper.len(), n))?;
     let refuse = |field, value, requirement| {
         Err(Error::Setting {
             field,

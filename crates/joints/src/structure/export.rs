@@ -2,6 +2,7 @@
 
 use super::StructuralModel;
 use super::matrix_contents::{from_dense, short_name};
+use dense_algebra::product;
 use faer::{Mat, MatRef};
 use finite_elements::formats::abaqus::Includes;
 use finite_elements::mesh::{Dof as Component, Face, Group};
@@ -17,7 +18,7 @@ use zte_assembly::shape::QUAD4;
 /// What the arrays are; goes with them where the format has room for text.
 pub const ABOUT: &str = "\
 Reduced model of two bodies joined by an interface; SI units.
-M, K: mass and stiffness without contact. Fv: a column per bolt, the generalised force of unit tension.
+M, K: mass and stiffness without contact; C, where there is one: viscous damping. Fv: a column per bolt, the generalised force of unit tension.
 R: response = R x, a row per response.
 dofs: a row per coordinate. Label k > 0, component 1, 2, 3: displacement of the top body less that of the bottom one at
 interface node k along the rows of `frame`, the third being the normal from the top body into the bottom one, so that
@@ -27,7 +28,7 @@ middles of the edges from each corner to the next, then the centre; 0 in places 
 contact have neither.
 ";
 
-/// The arrays `M`, `K`, `Fv` where there are bolts, `R`, `dofs`, `frame`, `interface_nodes`, `interface_elements` and `about`. Points of
+/// The arrays `M`, `K`, `C` where there are dampers, `Fv` where there are bolts, `R`, `dofs`, `frame`, `interface_nodes`, `interface_elements` and `about`. Points of
 /// contact have no mesh: point `k` of a scene becomes node `k`, and coordinates that it lacks are left out again.
 ///
 /// # Errors
@@ -50,7 +51,9 @@ pub fn arrays(model: &StructuralModel, joint: &Joint) -> Result<BTreeMap<String,
         .flat_map(|load| kept.iter().map(|&i| load[i]))
         .collect();
     let square = |matrix: Mat<f64>| dense(Mat::from_fn(n, n, |i, j| matrix[(kept[i], kept[j])]).as_ref());
-    let recovery = Mat::from_fn(reduced.recovery.nrows(), n, |i, j| reduced.recovery[(i, kept[j])]);
+    let rows = |from: usize, to: usize| Mat::from_fn(to - from, n, |i, j| reduced.recovery[(from + i, kept[j])]);
+    let first_damper = model.first_damper();
+    let (recovery, dampers) = (rows(0, first_damper), rows(first_damper, reduced.recovery.nrows()));
     let plane = &joint.interface;
     let places = plane.elements.iter().map(|element| element.nodes().len());
     let places = places.max().unwrap_or(0).max(QUAD4.n_nodes);
@@ -84,13 +87,17 @@ pub fn arrays(model: &StructuralModel, joint: &Joint) -> Result<BTreeMap<String,
     if reduced.loads.is_empty() {
         arrays.remove("Fv");
     }
+    if dampers.nrows() > 0 {
+        let damping = product(dampers.transpose(), dampers.as_ref());
+        arrays.insert("C".to_owned(), dense(damping.as_ref())?);
+    }
     Ok(arrays)
 }
 
 /// What the matrices of [`point_matrices`] are.
 pub const ABOUT_POINTS: &str = "\
 Reduced model of two bodies joined by an interface; SI units.
-K, M: stiffness and mass without contact. FV: a column per bolt, the
+K, M: stiffness and mass without contact; B: viscous damping. FV: a column per bolt, the
 generalised force of unit tension. R: a column per response, which is
 the product of it with the coordinates.
 Grid point k, component 1, 2, 3: displacement of the top body less that
@@ -107,7 +114,7 @@ pub fn with_short_names(arrays: BTreeMap<String, Array>) -> BTreeMap<String, Arr
     numbers.map(|(name, array)| (short_name(&name), array)).collect()
 }
 
-/// What entries `DMIG` can hold of the [`arrays`]: `K`, `M`, `FV` and the transpose of `R`. Mode `m` becomes the scalar
+/// What entries `DMIG` can hold of the [`arrays`]: `K`, `M`, `B` for `C`, `FV` and the transpose of `R`. Mode `m` becomes the scalar
 /// point `m` after the last node.
 pub fn point_matrices(arrays: &BTreeMap<String, Array>) -> PointMatrices {
     let matrix = |name: &str| match arrays.get(name) {
@@ -127,7 +134,10 @@ pub fn point_matrices(arrays: &BTreeMap<String, Array>) -> PointMatrices {
     let recovery = matrix("R").map(|rows| rows.transpose_view().to_csr());
     PointMatrices {
         dofs: dofs.iter().map(point).collect(),
-        matrices: ["K", "M"].iter().filter_map(|name| named(name, matrix(name))).collect(),
+        matrices: [("K", "K"), ("M", "M"), ("B", "C")]
+            .iter()
+            .filter_map(|(short, name)| named(short, matrix(name)))
+            .collect(),
         numbered: [named("FV", matrix("Fv")), named("R", recovery)]
             .into_iter()
             .flatten()

@@ -1,8 +1,9 @@
 //! Structures that come as matrices of other programs.
 
 use super::excited::require_held;
-use super::matrix_contents::{Contents, File};
+use super::matrix_contents::{Contents, File, ROUND_OFF};
 use crate::Error;
+use faer::Mat;
 use finite_elements::sparse::{multiply_vector, submatrix};
 use joint_model::fit::Fit;
 use joint_model::{Bodies, ExcitedRow, ImportedBodies, Joint};
@@ -18,6 +19,9 @@ use zte_assembly::{Element, InterfaceMesh, PointContact};
 
 /// Relative difference of the masses that a structure shows along the three axes, up to which it has one mass.
 const SAME_MASS: f64 = 1e-3;
+
+/// Most coordinates that a damping matrix may act on: its eigenpairs are found at once.
+const MOST_DAMPED: usize = 2000;
 
 /// Most bolts of a structure whose bolts the scene does not name: each load is a vector over all coordinates.
 const MOST_BOLTS: usize = 1000;
@@ -44,8 +48,10 @@ pub(super) fn joint(source: &Matrices, scene: &Scene, notes: &mut dyn FnMut(&str
         scaled(contents.stiffness.take(), "stiffness K")?,
         scaled(contents.mass.take(), "mass M")?,
     );
+    let damping = contents.damping.take();
+    let damping = damping.map(|damping| scaled(Some(damping), "damping C")).transpose()?;
     let n = stiffness.rows();
-    file.check_sizes(&contents, n, mass.rows())?;
+    file.check_sizes(&contents, n, mass.rows(), damping.as_ref().map(CsMat::rows))?;
     let vectors = Vectors {
         file: &file,
         contents: &contents,
@@ -151,6 +157,13 @@ pub(super) fn joint(source: &Matrices, scene: &Scene, notes: &mut dyn FnMut(&str
     let bodies = ImportedBodies {
         response: relative.row(&response),
         excitations,
+        dampers: match &damping {
+            Some(damping) => {
+                let rows = dampers(&file, damping, &contents)?;
+                rows.iter().map(|row| relative.row(row)).collect()
+            }
+            None => Vec::new(),
+        },
         relative,
         is_reduced,
         zero_energy_modes,
@@ -175,6 +188,52 @@ pub(super) fn joint(source: &Matrices, scene: &Scene, notes: &mut dyn FnMut(&str
         },
         fit: Fit::default(),
     })
+}
+
+/// Rows whose outer products sum to a damping matrix.
+fn dampers(file: &File<'_>, damping: &CsMat<f64>, contents: &Contents) -> Result<Vec<Vec<f64>>, Error> {
+    let damped: Vec<usize> = (damping.outer_iterator().enumerate())
+        .filter(|(_, row)| row.iter().any(|(_, value)| *value != 0.0))
+        .map(|(row, _)| row)
+        .collect();
+    if damped.len() > MOST_DAMPED {
+        return Err(file.fail(&format!(
+            "its damping C acts on {} coordinates, and at most {MOST_DAMPED} can be: leave out what is proportional to mass and stiffness, and give it as \
+             analyses.forced.rayleigh or background_damping",
+            damped.len()
+        )));
+    }
+    let mut own = Mat::zeros(damped.len(), damped.len());
+    for (i, &row) in damped.iter().enumerate() {
+        for (column, &value) in damping.outer_view(row).iter().flat_map(|row| row.iter()) {
+            if let Ok(j) = damped.binary_search(&column) {
+                own[(i, j)] = value;
+            }
+        }
+    }
+    let factor = dense_algebra::semidefinite_factor(own.as_ref(), ROUND_OFF).map_err(|error| match error {
+        dense_algebra::Error::NotSemidefinite { coordinate, .. } => {
+            let row = damped[coordinate];
+            let dof = contents.lift.is_none().then(|| contents.dofs.get(row)).flatten();
+            let place = match dof {
+                Some(dof) => format!("component {} of {}", dof.component(), dof.label()),
+                None => format!("coordinate {}", row + 1),
+            };
+            file.fail(&format!(
+                "its damping C is not positive semi-definite, so that some motions would gain energy; look at {place}"
+            ))
+        }
+        other => file.fail(&format!("its damping C: {other}")),
+    })?;
+    let row = |column: usize| {
+        let mut row = vec![0.0; damping.rows()];
+        damped
+            .iter()
+            .enumerate()
+            .for_each(|(i, &at)| row[at] = factor[(i, column)]);
+        row
+    };
+    Ok((0..factor.ncols()).map(row).collect())
 }
 
 /// Vectors over the coordinates of the matrices.

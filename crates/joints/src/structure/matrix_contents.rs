@@ -10,9 +10,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Arrays that are read; all others are noted.
-const ARRAYS: [&str; 9] = [
+const ARRAYS: [&str; 10] = [
     "M",
     "K",
+    "C",
     "dofs",
     "Fv",
     "R",
@@ -25,12 +26,13 @@ const ARRAYS: [&str; 9] = [
 /// Names of arrays in files of Nastran, which allow eight characters and tell no capitals apart.
 const SHORT_NAMES: [(&str, &str); 2] = [("interface_nodes", "INTNODES"), ("interface_elements", "INTELEMS")];
 
-/// Names of stiffness and mass among entries `DMIG`; the later ones are those that Nastran gives external superelements.
+/// Names of stiffness, mass and damping among entries `DMIG`; the later ones are those that Nastran gives external superelements.
 const POINT_STIFFNESS: [&str; 2] = ["K", "KAAX"];
 const POINT_MASS: [&str; 2] = ["M", "MAAX"];
+const POINT_DAMPING: [&str; 2] = ["B", "BAAX"];
 
 /// Asymmetry relative to the diagonal that is taken for round-off.
-const ROUND_OFF: f64 = 1e-6;
+pub(super) const ROUND_OFF: f64 = 1e-6;
 
 /// What the files hold, as it stands.
 #[derive(Default)]
@@ -39,6 +41,8 @@ pub(super) struct Contents {
     pub(super) dofs: Vec<Dof>,
     pub(super) stiffness: Option<CsMat<f64>>,
     pub(super) mass: Option<CsMat<f64>>,
+    /// Viscous damping.
+    pub(super) damping: Option<CsMat<f64>>,
     /// Loads of unit tension, one per row.
     pub(super) loads: Option<CsMat<f64>>,
     pub(super) load_cases: BTreeMap<String, Vec<f64>>,
@@ -119,7 +123,7 @@ impl File<'_> {
                 self.skipped(&found.skipped, notes);
                 let [mut square, mut numbered] = [found.matrices, found.numbered];
                 let mut first = |names: [&str; 2]| names.iter().find_map(|name| square.remove(*name));
-                let (stiffness, mass) = (first(POINT_STIFFNESS), first(POINT_MASS));
+                let [stiffness, mass, damping] = [POINT_STIFFNESS, POINT_MASS, POINT_DAMPING].map(&mut first);
                 let mut by_rows = |name| numbered.remove(name).map(|m| m.transpose_view().to_csr());
                 let (loads, recovery) = (by_rows("FV"), by_rows("R"));
                 self.not_needed(square.keys().chain(numbered.keys()), notes);
@@ -127,6 +131,7 @@ impl File<'_> {
                     dofs: found.dofs,
                     stiffness,
                     mass,
+                    damping,
                     loads,
                     recovery,
                     ..Contents::default()
@@ -189,7 +194,8 @@ impl File<'_> {
         };
         let mut take = |name: &str| found.arrays.remove(&format!("{owner}{name}"));
         let (dofs, mesh) = (take("dofs"), (take("interface_nodes"), take("interface_elements")));
-        let [stiffness, mass, lift, frame] = ["K", "M", "L", "frame"].map(|name| take(name).map(|array| (name, array)));
+        let [stiffness, mass, damping, lift, frame] =
+            ["K", "M", "C", "L", "frame"].map(|name| take(name).map(|array| (name, array)));
         let (loads, recovery) = (take("Fv"), take("R"));
         self.not_needed(found.arrays.keys(), notes);
         let dofs = dofs.ok_or_else(|| {
@@ -213,6 +219,7 @@ impl File<'_> {
             dofs,
             stiffness: matrix(stiffness)?,
             mass: matrix(mass)?,
+            damping: matrix(damping)?,
             loads: matrix(loads.map(|loads| ("Fv", loads)))?.map(|loads| loads.transpose_view().to_csr()),
             recovery: matrix(recovery.map(|recovery| ("R", recovery)))?,
             lift: matrix(lift)?,
@@ -295,15 +302,27 @@ impl File<'_> {
         Ok(symmetric_part(matrix))
     }
 
-    pub(super) fn check_sizes(&self, contents: &Contents, n: usize, mass: usize) -> Result<(), Error> {
+    pub(super) fn check_sizes(
+        &self,
+        contents: &Contents,
+        n: usize,
+        mass: usize,
+        damping: Option<usize>,
+    ) -> Result<(), Error> {
         let lift = contents.lift.as_ref().map(CsMat::shape);
         let cases = contents.load_cases.values().map(|v| ("load cases", v.len()));
         let loads = contents.loads.iter().map(|m| ("loads Fv", m.cols()));
         let rows = contents.recovery.iter().map(|m| ("recovery R", m.cols()));
+        let damping = damping.map(|rows| ("damping C", rows));
         let map = lift.map_or(("map of degrees of freedom", contents.dofs.len()), |(_, columns)| {
             ("L", columns)
         });
-        for (what, found) in loads.chain(cases).chain(rows).chain([("mass", mass), map]) {
+        for (what, found) in loads
+            .chain(cases)
+            .chain(rows)
+            .chain(damping)
+            .chain([("mass", mass), map])
+        {
             if found != n {
                 return Err(self.fail(&format!(
                     "its stiffness is over {n} coordinates, but its {what} over {found}"

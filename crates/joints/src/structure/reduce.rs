@@ -331,6 +331,7 @@ impl Structure {
                 for excited in &bodies.excitations {
                     key.numbers(excited.row.iter().chain(&excited.carried).copied());
                 }
+                key.numbers(bodies.dampers.iter().flatten().copied());
                 key.text(&format!("{:?}", (relative.n_relative, bodies.mass)));
             }
             Bodies::Meshed(bodies) => {
@@ -378,7 +379,7 @@ impl Structure {
 /// A system in relative coordinates, and what is known of it.
 pub struct Assembled<'a> {
     pub(super) relative: Cow<'a, RelativeSystem>,
-    /// Quantities to recover: the response, then one for each excitation.
+    /// Quantities to recover: the response, then one for each excitation, then one for each damper.
     pub(super) rows: Vec<Vec<f64>>,
     /// Of excitations by moving supports, the displacement at the response point when everything moves with them by one.
     pub(super) carried: Vec<Option<f64>>,
@@ -415,6 +416,7 @@ impl<'a> Assembled<'a> {
             relative: Cow::Borrowed(&bodies.relative),
             rows: std::iter::once(&bodies.response)
                 .chain(bodies.excitations.iter().map(|excited| &excited.row))
+                .chain(&bodies.dampers)
                 .cloned()
                 .collect(),
             carried: bodies.excitations.iter().map(|excited| excited.carried).collect(),

@@ -35,9 +35,23 @@ pub struct Facts {
 /// A reduced structure.
 #[derive(Clone, Debug)]
 pub struct StructuralModel {
-    /// Matrices; load `i` is unit tension of bolt `i`, recovery row 0 the response displacement. With attachment modes
+    /// Matrices; load `i` is unit tension of bolt `i`, recovery row 0 the response displacement, the last ones those of the dampers. With attachment modes
     /// of the loads if the bolts lock; they are not locked yet.
     pub reduced: ReducedModel,
     /// What is known of the full model.
     pub facts: Facts,
+}
+
+impl StructuralModel {
+    /// First of the recovery rows that are viscous dampers.
+    pub(super) fn first_damper(&self) -> usize {
+        1 + self.facts.carried.len()
+    }
+
+    /// Rows of the viscous dampers over the coordinates of the structure that vibrates, which is this one, perhaps with locked bolts.
+    pub fn dampers(&self, vibrating: &ReducedModel) -> Vec<Vec<f64>> {
+        (self.first_damper()..vibrating.recovery.nrows())
+            .map(|number| vibrating.recovery.row(number).iter().copied().collect())
+            .collect()
+    }
 }

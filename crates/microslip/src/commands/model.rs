@@ -64,9 +64,11 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
             || arguments.modes.is_some()
             || arguments.out.is_some()
             || arguments.normal_stiffness.is_some()
+            || arguments.scene.asks_of_deck()
+            || arguments.cache.is_given()
         {
             bail!(
-                "{} is no scene: --spectrum, --modes, --out and stiffnesses need one; if it is a mesh, make a scene of it by `microslip new --from`",
+                "{} is no scene: --spectrum, --modes, --out, stiffnesses, options of the cache and those of decks need one; if it is a mesh, make a scene of it by `microslip new --from`",
                 file.display()
             );
         }

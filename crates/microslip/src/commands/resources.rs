@@ -36,6 +36,11 @@ fn bytes(text: &str) -> Result<u64, String> {
 }
 
 impl Cache {
+    /// Whether it asks for anything.
+    pub(super) fn is_given(&self) -> bool {
+        self.cache.is_some() || self.no_cache || self.memory.is_some()
+    }
+
     pub(super) fn options(&self, defaults: &Defaults) -> Options {
         let cache = match (self.no_cache, &self.cache) {
             (true, _) => None,

@@ -28,6 +28,11 @@ pub struct SceneArguments {
 }
 
 impl SceneArguments {
+    /// Whether it asks for anything of a deck.
+    pub(super) fn asks_of_deck(&self) -> bool {
+        self.deck.is_some() || self.allow_includes_outside
+    }
+
     /// What stands in the place of the scene, if it is none: a mesh or an input deck.
     pub fn mesh_file(&self) -> Option<&Path> {
         // A scene may have any name, and begins with a brace or a comment. What is no file is refused by who reads it.
@@ -70,7 +75,13 @@ impl SceneArguments {
             };
             deck.path = path.clone();
         }
-        if let (true, StructureSource::Deck(deck)) = (self.allow_includes_outside, &mut given.scene.structure.source) {
+        if self.allow_includes_outside {
+            let StructureSource::Deck(deck) = &mut given.scene.structure.source else {
+                bail!(
+                    "the scene {} has no structure.deck whose includes could be outside its folder; leave out --allow-includes-outside",
+                    given.scene.name
+                )
+            };
             deck.includes = Includes::Anywhere;
         }
         Ok(given)
