@@ -31,11 +31,13 @@ pub mod ring_down;
 pub mod run;
 pub mod sensitivity;
 pub mod several;
+pub mod setup;
 pub mod shock;
 pub mod styles;
 pub mod tightening;
 pub mod uncertainty;
 
+pub use answer::lines as answer_lines;
 pub use error::{Drawing, Error};
 
 /// A file to be written.

@@ -76,6 +76,12 @@ const PHYSICS: [(&str, &str); 5] = [
     ),
 ];
 
+/// What bodies need beside it.
+const DENSITY: (&str, &str) = (
+    "/model/material/density",
+    r#""model": { "material": { "density": "7850 kg/m^3" } }"#,
+);
+
 /// Blocks whose fields a benchmark may fill in one by one.
 const BLOCKS: [&str; 4] = ["model", "material", "bolts", "interfaces"];
 
@@ -105,6 +111,18 @@ impl Scene {
             scene.resolve(folder);
         }
         Ok(scene)
+    }
+
+    /// All that the physics depends on and a scene on a mesh of one's own leaves out: fields with messages, in the order in which [`Scene::from_value`]
+    /// asks for them one by one.
+    pub fn missing(given: &Value) -> Vec<(String, String)> {
+        let mut filled = given.clone();
+        // What is wrong with torques is no lack of a load.
+        drop(torque::prepare(given, &mut filled));
+        let is_missing = |path: &&(&str, &str)| filled.pointer(path.0).is_none_or(Value::is_null);
+        let all = PHYSICS.iter().chain([&DENSITY]).filter(is_missing);
+        let refusals = all.map(|(path, line)| (path[1..].replace('/', "."), missing(path, line).message));
+        refusals.collect()
     }
 
     /// Makes relative paths start from a folder.
