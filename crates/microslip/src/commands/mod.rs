@@ -21,6 +21,7 @@ mod upgrade;
 mod verify;
 mod view;
 
+use crate::progress::Display;
 pub use crate::text::print;
 use anyhow::Result;
 pub use defaults::Defaults;
@@ -66,6 +67,15 @@ pub enum Command {
 }
 
 impl Command {
+    /// How the command shows what it does.
+    pub fn display(&self) -> Display {
+        match self {
+            Self::Calibrate(arguments) => arguments.display,
+            Self::Study(arguments) => arguments.display,
+            _ => Display::default(),
+        }
+    }
+
     /// Runs the command.
     ///
     /// # Errors
