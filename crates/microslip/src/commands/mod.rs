@@ -23,6 +23,7 @@ mod verify;
 mod view;
 mod web;
 
+use crate::progress::Display;
 pub use crate::text::print;
 use anyhow::Result;
 pub use defaults::Defaults;
@@ -70,6 +71,15 @@ pub enum Command {
 }
 
 impl Command {
+    /// How the command shows what it does.
+    pub fn display(&self) -> Display {
+        match self {
+            Self::Calibrate(arguments) => arguments.display,
+            Self::Study(arguments) => arguments.display,
+            _ => Display::default(),
+        }
+    }
+
     /// Runs the command.
     ///
     /// # Errors

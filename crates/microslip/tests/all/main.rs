@@ -14,6 +14,7 @@ mod instruction_sets;
 mod limits;
 mod messages;
 mod new;
+mod progress;
 mod reference;
 mod report;
 mod results;
