@@ -20,6 +20,7 @@ mod report;
 mod results;
 mod scenes;
 mod study;
+mod web;
 
 /// The program that they run.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_microslip");

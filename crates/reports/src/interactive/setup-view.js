@@ -1,11 +1,12 @@
 // The bodies of a mesh in space, and what is picked of them.
 
 const PICKED = "#f0e442";
-const HELD = "#333333";
+const HELD = "#4b2e83";
 const USED = "#d55e00";
 const UNUSED = "#9a9a9a";
+const BOLT = "#222222";
 const RESPONSE = "#cc79a7";
-const FORCE = "#000000";
+const FORCE = "#009e73";
 
 /** Part of the size of the model by which bodies that touch are drawn apart at most. */
 const APART = 0.35;
@@ -163,7 +164,7 @@ function showModel(host, shape, facts, marks, picked) {
       old.geometry.dispose();
     });
     rods = [
-      ...bolts.map(({ axis, radius, used }, number) => solid(rod(...longer(axis, 0.3 * apart), radius), used ? "#222222" : UNUSED, used ? 1 : 0.45, number)),
+      ...bolts.map(({ axis, radius, used }, number) => solid(rod(...along(axis, [...way.values()]), radius), used ? BOLT : UNUSED, used ? 1 : 0.45, number)),
       ...arrows.flatMap(({ at, direction, colour, into, body }) => {
         const start = at.map((v, c) => v + (way.get(body) ?? [0, 0, 0])[c]);
         const tip = (part) => start.map((v, c) => v + part * 0.14 * size * direction[c]);
@@ -175,8 +176,12 @@ function showModel(host, shape, facts, marks, picked) {
     view.refresh();
   }
 
-  function longer([a, b], part) {
-    return [a.map((v, c) => v + part * (v - b[c])), b.map((v, c) => v + part * (v - a[c]))];
+  /** An axis as long as bodies are apart on it. */
+  function along([a, b], ways) {
+    const unit = minus(a, b).map((v) => v / (lengthOf(minus(a, b)) || 1));
+    const parts = ways.map((way) => way.reduce((sum, v, c) => sum + v * unit[c], 0));
+    const beyond = [Math.max(...parts), Math.min(...parts)].map((part) => part + 0.02 * size * Math.sign(part));
+    return [a, b].map((end, i) => end.map((v, c) => v + beyond[i] * unit[c]));
   }
 
   function solid(corners, colour, opacity, number) {

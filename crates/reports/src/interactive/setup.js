@@ -114,7 +114,7 @@ function showSetup(host, { facts, shape: raw }) {
   const pairRows = facts.touching.map(({ about, flat, entry }) => ({
     entry,
     used: false,
-    text: about,
+    text: about.replaceAll("`", ""),
     reason: flat ? undefined : "The faces look in all directions, as those of a thread or a pin: no interface can be made of them.",
   }));
   const sameBodies = (a, b) => JSON.stringify([...(a.between ?? [])].sort()) === JSON.stringify([...(b.between ?? [])].sort()) && b.between !== undefined;
@@ -215,18 +215,18 @@ function showSetup(host, { facts, shape: raw }) {
   });
   const nameFor = (surface) => shape.named.filter(({ faces }) => Array.from(surface.faces).some((one) => faces.has(one))).sort((a, b) => a.faces.size - b.faces.size)[0];
   function picked({ bolt, surface, point }) {
-    if (bolt !== undefined) {
-      const row = bolts.all.filter((candidate) => candidate.entry.axis !== undefined)[bolt];
-      if (row.reason === undefined) {
-        bolts.set(row, !row.used);
-      }
-      pickText.textContent = `Bolt: ${row.text}. ${row.reason ?? (row.used ? "It is in the scene." : "It is out of the scene.")}`;
-      return;
-    }
-    pick = surface === undefined ? null : { surface, node: shape.nearest(surface.nodes, point) };
+    pick = bolt !== undefined ? { row: bolts.all.filter((row) => row.entry.axis !== undefined)[bolt] } : surface === undefined ? null : { surface, node: shape.nearest(surface.nodes, point) };
     model.select(surface);
     faceChoice.querySelector("select").value = surface?.number ?? "";
     drawPick("");
+  }
+  /** A button that does something with what is picked, and keeps the focus. */
+  function then(text, act, done = text) {
+    return button(text, () => {
+      act();
+      drawPick(`${done}: done. `);
+      [...pickButtons.children].find((one, i) => one.textContent === text || i === 0)?.focus();
+    });
   }
   function drawPick(told) {
     if (pick === null) {
@@ -234,14 +234,14 @@ function showSetup(host, { facts, shape: raw }) {
       pickButtons.replaceChildren();
       return;
     }
+    if (pick.row !== undefined) {
+      const { row } = pick;
+      pickText.textContent = `${told}Bolt: ${row.text}. ${row.reason ?? ""}`;
+      pickButtons.replaceChildren(...(row.reason === undefined ? [then(row.used ? "Leave the bolt out" : "Take the bolt", () => bolts.set(row, !row.used))] : []));
+      return;
+    }
     const { surface, node } = pick;
     const point = shape.at(node);
-    const then = (text, act) => button(text, () => {
-      const focused = text;
-      act();
-      drawPick(`${focused}: done.`);
-      [...pickButtons.children].find((one) => one.textContent === focused)?.focus();
-    });
     const rows = [...surface.pairs].map((pair) => interfaces.all[pair]);
     const named = nameFor(surface);
     const support = supports.all.find((row) => row.entry.surface === named?.name && named !== undefined);
@@ -254,10 +254,10 @@ function showSetup(host, { facts, shape: raw }) {
       ...(surface.flat ? [then("Bolt through here", () => addBolt([point, point.map((v, c) => Number((v - size * surface.normal[c]).toPrecision(7)))]))] : []),
     );
     const lacks = [
-      rows.length === 0 ? "It touches no other body, so that it is no interface." : "",
+      rows.length === 0 ? "It touches no other body, so that it is no interface." : `It is part of ${rows.map((row) => row.entry.name).join(", ")}.`,
       support === undefined ? "No surface of the mesh has its name, and a scene holds named surfaces or groups of nodes: to hold it, name it in the program that makes the mesh." : "",
     ].filter((text) => text !== "");
-    pickText.textContent = `${told} ${faceText(surface)}. Nearest node: ${shape.labels[node]}, at (${textOf(point)}). ${lacks.join(" ")}`.trim();
+    pickText.textContent = `${told}${faceText(surface)}. Nearest node: ${shape.labels[node]}, at (${textOf(point)}). ${lacks.join(" ")}`.trim();
   }
 
   const key = (colour, text) => {
@@ -266,7 +266,7 @@ function showSetup(host, { facts, shape: raw }) {
     return element("span", { class: "control" }, swatch, text);
   };
   const picture = element("div");
-  const viewPart = element("section", { class: "view" }, element("h2", {}, "Model"), picture, element("div", { class: "legend" }, key(USED, "interface"), key(UNUSED, "touches, not used"), key(PICKED, "picked"), key(HELD, "held"), key("#222222", "bolt"), key(RESPONSE, "response"), key(FORCE, "force")), faceChoice, pickText, pickButtons);
+  const viewPart = element("section", { class: "view" }, element("h2", {}, "Model"), picture, element("div", { class: "legend" }, key(USED, "interface"), key(UNUSED, "touches, not used"), key(PICKED, "picked"), key(HELD, "held"), key(BOLT, "bolt"), key(RESPONSE, "response"), key(FORCE, "force")), faceChoice, pickText, pickButtons);
 
   const notes = facts.notes.length === 0 ? [] : [element("details", {}, element("summary", {}, "Notes about the file"), element("ul", {}, ...facts.notes.map((note) => element("li", {}, note))))];
   const forms = element(

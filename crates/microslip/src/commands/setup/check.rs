@@ -17,6 +17,8 @@ pub(super) struct Checker {
     pub(super) folder: PathBuf,
     /// The mesh, which may lie elsewhere.
     pub(super) mesh: PathBuf,
+    /// Name of its file, for messages.
+    pub(super) place: String,
     /// Name of scenes without one.
     pub(super) name: String,
     /// For each solid of the mesh the number of its body.
@@ -150,7 +152,7 @@ impl Checker {
     }
 
     fn read(&self, given: Value) -> Result<Scene, Fault> {
-        let mut scene = Scene::from_value(given, "the scene", &self.name, &BENCHMARKS)?;
+        let mut scene = Scene::from_value(given, &self.place, &self.name, &BENCHMARKS)?;
         scene.resolve(&self.folder);
         Ok(scene)
     }

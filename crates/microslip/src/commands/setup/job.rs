@@ -89,8 +89,9 @@ impl Job {
                 .ok()
                 .filter(Value::is_object)
                 .unwrap_or_else(|| json!({ "event": "text", "text": text }));
-            if event["event"] == "text" && text.starts_with("error: ") {
-                error.clone_from(&text);
+            // What is no event is of a program that could not even begin.
+            if event["event"] == "error" || event["event"] == "text" {
+                error = event["text"].as_str().unwrap_or_default().to_owned();
             }
             let mut told = locked(&self.told);
             match event["event"] == "progress" {

@@ -82,6 +82,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
         checker: Checker {
             folder: folder.clone(),
             mesh,
+            place: scene_name.clone(),
             name: stem,
             body_of_cell: shape.body_of_cell,
         },

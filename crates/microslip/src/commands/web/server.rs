@@ -18,7 +18,7 @@ const MOST_CONNECTIONS: usize = 64;
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// How long a request may take to arrive, however little is sent at a time.
-const LONGEST_ARRIVAL: Duration = Duration::from_secs(20);
+const LONGEST_ARRIVAL: Duration = Duration::from_secs(15);
 
 /// How long a refused body is read on, so that its sender sees the refusal and not a broken connection.
 const LINGER: Duration = Duration::from_millis(500);
