@@ -63,15 +63,16 @@ const read = (file) => JSON.parse(fs.readFileSync(path.join(folder, file), "utf8
 async function clickFor(page, wanted) {
   const canvas = page.locator("canvas.space");
   await canvas.scrollIntoViewIfNeeded();
-  const box = await canvas.boundingBox();
-  for (let i = 0; i < 400; i += 1) {
+  for (let i = 0; i < 1000; i += 1) {
+    const box = await canvas.boundingBox();
     // Places that spread evenly.
-    const [x, y] = [0.15 + 0.7 * ((0.754877 * i) % 1), 0.2 + 0.6 * ((0.569841 * i) % 1)];
+    const [x, y] = [0.1 + 0.8 * ((0.754877 * i) % 1), 0.1 + 0.8 * ((0.569841 * i) % 1)];
     await page.mouse.click(box.x + x * box.width, box.y + y * box.height);
     if (wanted.test(await page.locator(".view .told").innerText())) {
       return;
     }
   }
+  await page.screenshot({ path: path.join(folder, "failed.png") });
   assert.fail(`nothing in the picture is ${wanted}`);
 }
 
@@ -124,9 +125,14 @@ async function byMouse(browser) {
     await page.getByRole("button", { name: "No interface: upper on lower" }).click();
     await wrong(page, "structure.mesh.interfaces").waitFor();
     await page.getByRole("button", { name: "Interface: upper on lower", exact: true }).click();
+    for (const turn of ["Turn left", "Turn left", "Turn left", "Turn left", "Farther", "Farther"]) {
+      await page.getByRole("button", { name: turn }).click();
+    }
     await clickFor(page, /lower: plane, normal \(-1, 0, 0\)/);
     await page.getByRole("button", { name: "Hold end" }).click();
+    await page.screenshot({ path: path.join(folder, "held-1280.png") });
     await page.getByRole("button", { name: "Do not hold end" }).click();
+    await page.getByRole("button", { name: "Whole model" }).click();
     await clickFor(page, /lower: plane, normal \(0, -1, 0\)/);
     assert.match(await page.locator(".view .told").innerText(), /No surface of the mesh has its name/);
     await page.getByRole("button", { name: "Force here" }).click();

@@ -57,7 +57,9 @@ impl Shape {
             }
         }
         let named = mesh.surfaces.iter();
-        let named = named.map(|group| (group.name.clone(), numbers(&group.members))).collect();
+        let named = named
+            .map(|group| (group.name.clone(), numbers(&group.members)))
+            .collect();
         let surface = OuterSurface::from_faces(&mesh.nodes, &faces);
         let labels = surface.numbers.iter();
         let label = |node: &u32| mesh.labels.get(*node as usize).copied().unwrap_or_default();

@@ -6,13 +6,13 @@
 pub(crate) mod bodies;
 mod data;
 mod encode;
-mod several;
 mod setup;
+mod several;
 mod shapes;
 
 pub(crate) use data::Document;
-pub(crate) use several::Runs;
 pub(crate) use setup::Setup;
+pub(crate) use several::Runs;
 pub(crate) use shapes::Shapes;
 
 use crate::{Error, styles};

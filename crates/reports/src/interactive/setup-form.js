@@ -194,17 +194,17 @@ function makeRows(form, path, rows, same, details = () => []) {
 
   function write() {
     form.put(path, all.filter((row) => row.used).map((row) => row.entry));
+    draw();
   }
 
   /** Takes a row into the scene, or out of it. */
   function set(row, used) {
     row.used = used;
-    draw();
     write();
   }
 
   draw();
-  return { host, all, set, draw, write, add: (row) => {
+  return { host, all, set, write, add: (row) => {
     all.push(row);
     set(row, true);
   } };

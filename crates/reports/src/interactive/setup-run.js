@@ -3,11 +3,10 @@
 /** Time between two questions for progress (ms). */
 const PAUSE = 250;
 
-/** Sends something to the program, and gives the status and the answer. */
+/** Sends something to the program, and gives the answer; what went wrong is its `error`. */
 async function send(action, document) {
   const response = await fetch(action, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(document) });
-  const isJson = response.headers.get("Content-Type") === "application/json";
-  return { ok: response.ok, answer: isJson ? await response.json() : { error: `${response.status} ${response.statusText}` } };
+  return response.ok ? response.json() : { error: `${response.status} ${response.statusText}` };
 }
 
 /** Seconds in words. */
@@ -48,7 +47,7 @@ function showRun(host, form, facts, complete, refused) {
   /** Saves or runs the scene; `options` are what the reader agreed to. */
   async function write(action, options = {}) {
     asked.replaceChildren();
-    const { ok, answer: said } = await send(action, { scene: form.text(), ...options });
+    const said = await send(action, { scene: form.text(), ...options });
     if (said.exists !== undefined) {
       asked.append(
         element("p", { class: "warning" }, `${said.exists} is there already, and this page has not written what is in it.`),
@@ -56,7 +55,7 @@ function showRun(host, form, facts, complete, refused) {
         button("Leave it", () => asked.replaceChildren()),
       );
       asked.querySelector("button").focus();
-    } else if (!ok) {
+    } else if (said.saved === undefined) {
       status.textContent = said.error ?? "The scene is not complete.";
       refused(said.errors ?? []);
     } else if (action === "save") {

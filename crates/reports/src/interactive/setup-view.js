@@ -50,7 +50,9 @@ function readShape({ named, ...shape }) {
     }
   });
   surfaces.forEach((surface) => {
-    surface.centre = surface.centre.map((v) => v / surface.area);
+    // Without the round-off of a sum about zero.
+    const extent = Math.sqrt(surface.area);
+    surface.centre = surface.centre.map((v) => v / surface.area).map((v) => (Math.abs(v) < 1e-9 * extent ? 0 : v));
     const size = lengthOf(surface.normal);
     surface.flat = size > 0.99 * surface.area;
     surface.normal = surface.normal.map((v) => Number((v / (size || 1)).toFixed(9)) + 0);
@@ -218,10 +220,10 @@ function showModel(host, shape, facts, marks, picked) {
     apart = Number(slider.value);
     refresh();
   } });
-  const turns = [["Turn left", "ArrowLeft"], ["Turn right", "ArrowRight"], ["Whole model", "0"]];
+  const turns = [["Turn left", "ArrowLeft"], ["Turn right", "ArrowRight"], ["Closer", "+"], ["Farther", "-"], ["Whole model", "0"]];
   controls.append(
     element("label", { class: "control" }, "Bodies apart ", slider),
-    ...turns.map(([text, key]) => button(text, () => Array.from({ length: key === "0" ? 1 : 4 }, () => view.canvas.dispatchEvent(new KeyboardEvent("keydown", { key }))))),
+    ...turns.map(([text, key]) => button(text, () => Array.from({ length: key.startsWith("Arrow") ? 4 : 1 }, () => view.canvas.dispatchEvent(new KeyboardEvent("keydown", { key }))))),
   );
   if (count === 0) {
     host.append(element("p", { class: "told" }, "The surface has more triangles than a page draws, so that only edges are shown and nothing can be picked on it. The lists and fields do all the same."));

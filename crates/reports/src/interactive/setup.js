@@ -56,14 +56,14 @@ function showSetup(host, { facts, shape: raw }) {
     }
     asking = true;
     const text = form.text();
-    const { ok, answer } = await send("check", { scene: text }).catch(() => ({ ok: false, answer: { error: "The program does not answer any more; start it again." } }));
+    const answer = await send("check", { scene: text }).catch(() => ({ error: "The program does not answer any more; start it again." }));
     asking = false;
     if (again || text !== form.text()) {
       again = false;
       question();
       return;
     }
-    tell(ok ? answer : { complete: false, errors: [{ field: null, message: answer.error }], echo: null });
+    tell(answer.error === undefined ? answer : { complete: false, errors: [{ field: null, message: answer.error }], echo: null });
   }
   function tell(found) {
     verdict = found;
@@ -98,7 +98,6 @@ function showSetup(host, { facts, shape: raw }) {
     bolts.all.filter((row) => row.sizes !== undefined).forEach((row) => {
       row.entry.size = row.sizes[units?.length] ?? undefined;
     });
-    bolts.draw();
     bolts.write();
   } });
   const bodies = facts.bodies.map(({ name, elements }, body) => {
@@ -266,7 +265,7 @@ function showSetup(host, { facts, shape: raw }) {
     return element("span", { class: "control" }, swatch, text);
   };
   const picture = element("div");
-  const viewPart = element("section", { class: "view" }, element("h2", {}, "Model"), picture, element("div", { class: "legend" }, key(USED, "interface"), key(UNUSED, "touches, not used"), key(PICKED, "picked"), key(HELD, "held"), key(BOLT, "bolt"), key(RESPONSE, "response"), key(FORCE, "force")), faceChoice, pickText, pickButtons);
+  const viewPart = element("section", { class: "view" }, element("h2", {}, "Model"), picture, element("div", { class: "legend" }, key(USED, "interface"), key(UNUSED, "touches, not used"), key(PICKED, "picked"), key(HELD, "held"), key(BOLT, "bolt"), key(RESPONSE, "response"), key(FORCE, "force")), faceChoice, element("div", { class: "picked" }, pickText, pickButtons));
 
   const notes = facts.notes.length === 0 ? [] : [element("details", {}, element("summary", {}, "Notes about the file"), element("ul", {}, ...facts.notes.map((note) => element("li", {}, note))))];
   const forms = element(

@@ -178,7 +178,11 @@ pub(in crate::commands) fn interface(survey: &Survey, touching: &Touching) -> Va
 pub(in crate::commands) fn systems() -> impl Iterator<Item = (&'static str, f64, Value)> {
     let both = LENGTHS.iter().zip(SYSTEMS);
     both.map(|(length, (unit, [other, other_unit]))| {
-        (*length, unit, json!({ "length": length, other: other_unit, "time": "s" }))
+        (
+            *length,
+            unit,
+            json!({ "length": length, other: other_unit, "time": "s" }),
+        )
     })
 }
 

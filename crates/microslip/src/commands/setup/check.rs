@@ -93,7 +93,10 @@ impl Checker {
         let mut verdict = Verdict::default();
         let found = self.look(text, &mut verdict);
         if let Err(fault) = found
-            && !verdict.faults.iter().any(|known| known.field.is_some() && known.field == fault.field)
+            && !verdict
+                .faults
+                .iter()
+                .any(|known| known.field.is_some() && known.field == fault.field)
         {
             verdict.faults.push(fault);
         }

@@ -46,7 +46,10 @@ const MOST_FILES: usize = 500;
 /// Runs the command, which ends with the process.
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let file = &arguments.file;
-    let whole = || file.canonicalize().with_context(|| format!("finding {}", file.display()));
+    let whole = || {
+        file.canonicalize()
+            .with_context(|| format!("finding {}", file.display()))
+    };
     let (mesh, scene_name, given) = match is_mesh(file) {
         true => (whole()?, "scene.json".to_owned(), None),
         false => {
@@ -56,7 +59,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
             let mesh = mesh
                 .canonicalize()
                 .with_context(|| format!("{}: finding the mesh {}", file.display(), given.mesh.display()))?;
-            (mesh, utf8(whole.file_name().unwrap_or_default().as_ref())?, Some((whole, given.scene)))
+            (
+                mesh,
+                utf8(whole.file_name().unwrap_or_default().as_ref())?,
+                Some((whole, given.scene)),
+            )
         }
     };
     let beside = given.as_ref().map_or(&mesh, |(scene, _)| scene);
@@ -116,7 +123,10 @@ fn scene_of(file: &Path, length: Option<&str>) -> Result<Given> {
         );
     };
     if length.is_some() {
-        bail!("{}: the scene states its units in `units`; leave --length out", file.display());
+        bail!(
+            "{}: the scene states its units in `units`; leave --length out",
+            file.display()
+        );
     }
     let own = scene.pointer("/structure/mesh/units/length");
     if own.is_some_and(|own| Some(own) != scene.pointer("/units/length")) {

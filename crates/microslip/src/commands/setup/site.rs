@@ -2,7 +2,7 @@
 
 use super::check::Checker;
 use super::job::Job;
-use crate::commands::web::{Answer, BAD_REQUEST, CONFLICT, METHOD_NOT_ALLOWED, Method, NOT_FOUND, Request, Site, file};
+use crate::commands::web::{Answer, BAD_REQUEST, METHOD_NOT_ALLOWED, Method, NOT_FOUND, Request, Site, file};
 use file_io::durable;
 use reports::setup::Page;
 use serde::Deserialize;
@@ -65,29 +65,37 @@ impl Setup {
     fn below<'a>(&self, path: &'a str) -> Option<&'a str> {
         let (word, name) = path.strip_prefix('/')?.split_once('/')?;
         let differ = |(a, b): (u8, u8)| a ^ b;
-        let difference = word.bytes().zip(self.token.bytes()).map(differ).fold(0, |all, one| all | one);
+        let difference = word
+            .bytes()
+            .zip(self.token.bytes())
+            .map(differ)
+            .fold(0, |all, one| all | one);
         (word.len() == self.token.len() && difference == 0).then_some(name)
     }
 
     fn act(&self, action: &str, sent: &Sent) -> Answer {
         if action == "check" {
-            return Answer::json("200 OK", &self.place.checker.verdict(&sent.scene).json());
+            return Answer::json(&self.place.checker.verdict(&sent.scene).json());
         }
         // One at a time: two pages may be open.
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         match action {
-            "save" => self.save(&mut state, sent).map_or_else(|refused| refused, |()| saved(&self.place)),
-            "run" => self.run(&mut state, sent).map_or_else(|refused| refused, |()| saved(&self.place)),
+            "save" => self
+                .save(&mut state, sent)
+                .map_or_else(|refused| refused, |()| saved(&self.place)),
+            "run" => self
+                .run(&mut state, sent)
+                .map_or_else(|refused| refused, |()| saved(&self.place)),
             _ => {
                 state.job.iter().for_each(|job| job.stop());
-                Answer::json("200 OK", &json!({}))
+                Answer::json(&json!({}))
             }
         }
     }
 
     /// Writes the scene, unless its file has something else in it than what was written before.
     fn save(&self, state: &mut State, sent: &Sent) -> Result<(), Answer> {
-        let refused = |document: Value| Err(Answer::json(CONFLICT, &document));
+        let refused = |document: Value| Err(Answer::json(&document));
         let path = &self.place.scene;
         if let Err(message) = scenes::parse_json(&sent.scene) {
             return refused(json!({ "error": message }));
@@ -110,13 +118,13 @@ impl Setup {
 
     /// Saves the scene and runs it, if it is complete and nothing runs.
     fn run(&self, state: &mut State, sent: &Sent) -> Result<(), Answer> {
-        let refused = |error: String| Answer::json(CONFLICT, &json!({ "error": error }));
+        let refused = |error: String| Answer::json(&json!({ "error": error }));
         if state.job.as_ref().is_some_and(|job| job.is_running()) {
             return Err(refused("a run is under way; stop it, or wait for its end".into()));
         }
         let verdict = self.place.checker.verdict(&sent.scene);
         if !verdict.is_complete() {
-            return Err(Answer::json(CONFLICT, &verdict.json()));
+            return Err(Answer::json(&verdict.json()));
         }
         self.save(state, sent)?;
         let overwrite = sent.overwrite || state.job.is_some();
@@ -132,7 +140,7 @@ impl Setup {
         };
         let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let told = state.job.as_ref().map_or(Value::Null, |job| job.told(from));
-        Answer::json("200 OK", &told)
+        Answer::json(&told)
     }
 }
 
@@ -144,7 +152,7 @@ impl Place {
 }
 
 fn saved(place: &Place) -> Answer {
-    Answer::json("200 OK", &json!({ "saved": place.scene_name() }))
+    Answer::json(&json!({ "saved": place.scene_name() }))
 }
 
 impl Site for Setup {

@@ -6,7 +6,6 @@ use std::path::Path;
 pub(in crate::commands) const BAD_REQUEST: &str = "400 Bad Request";
 pub(in crate::commands) const NOT_FOUND: &str = "404 Not Found";
 pub(in crate::commands) const METHOD_NOT_ALLOWED: &str = "405 Method Not Allowed";
-pub(in crate::commands) const CONFLICT: &str = "409 Conflict";
 
 /// Largest body of a request that is read (bytes).
 pub(in crate::commands) const LARGEST_BODY: u64 = 1 << 20;
@@ -57,12 +56,9 @@ impl Answer {
         }
     }
 
-    /// A JSON document with a status.
-    pub(in crate::commands) fn json(status: &'static str, document: &serde_json::Value) -> Self {
-        Self {
-            status,
-            ..Self::found("answer.json", document.to_string())
-        }
+    /// A JSON document.
+    pub(in crate::commands) fn json(document: &serde_json::Value) -> Self {
+        Self::found("answer.json", document.to_string())
     }
 
     /// No more than a status.
@@ -238,16 +234,27 @@ mod tests {
             "Origin: http://127.0.0.1:4712\r\n",
             "Origin: http://127.0.0.1:4711\r\nOrigin: http://example.org\r\n",
         ] {
-            assert_eq!(post(&format!("{json}{foreign}{length}")), Err("403 Forbidden"), "{foreign}");
+            assert_eq!(
+                post(&format!("{json}{foreign}{length}")),
+                Err("403 Forbidden"),
+                "{foreign}"
+            );
         }
-        for kind in ["", "Content-Type: text/plain\r\n", "Content-Type: application/json; a=b\r\n"] {
+        for kind in [
+            "",
+            "Content-Type: text/plain\r\n",
+            "Content-Type: application/json; a=b\r\n",
+        ] {
             let status = post(&format!("{kind}{origin}{length}"));
             assert_eq!(status, Err("415 Unsupported Media Type"), "{kind}");
         }
         for (wrong, status) in [
             ("", "411 Length Required"),
             ("Transfer-Encoding: chunked\r\n", "411 Length Required"),
-            ("Content-Length: 2\r\nTransfer-Encoding: chunked\r\n", "411 Length Required"),
+            (
+                "Content-Length: 2\r\nTransfer-Encoding: chunked\r\n",
+                "411 Length Required",
+            ),
             ("Content-Length: -2\r\n", BAD_REQUEST),
             ("Content-Length: +2\r\n", BAD_REQUEST),
             ("Content-Length: 2\r\nContent-Length: 2\r\n", BAD_REQUEST),
@@ -262,7 +269,17 @@ mod tests {
     fn names_lead_nowhere_else() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
         assert_eq!(file(folder, "Cargo.toml").status, "200 OK");
-        for name in ["", ".", "..", "src", "src/lib.rs", "../Cargo.toml", "..%2fCargo.toml", "..\\Cargo.toml", "/etc/passwd"] {
+        for name in [
+            "",
+            ".",
+            "..",
+            "src",
+            "src/lib.rs",
+            "../Cargo.toml",
+            "..%2fCargo.toml",
+            "..\\Cargo.toml",
+            "/etc/passwd",
+        ] {
             assert_eq!(file(folder, name).status, NOT_FOUND, "{name}");
         }
     }

@@ -3,7 +3,7 @@
 mod message;
 mod server;
 
-pub(super) use message::{Answer, BAD_REQUEST, CONFLICT, METHOD_NOT_ALLOWED, Method, NOT_FOUND, Request, file};
+pub(super) use message::{Answer, BAD_REQUEST, METHOD_NOT_ALLOWED, Method, NOT_FOUND, Request, file};
 pub(super) use server::{Site, serve};
 
 use anyhow::{Context, Result};
