@@ -169,6 +169,12 @@ async function byMouse(browser) {
     await page.screenshot({ path: path.join(folder, "finished-1280.png"), fullPage: true });
     const [report] = await Promise.all([page.context().waitForEvent("page"), page.getByRole("link", { name: "Open the report" }).click()]);
     await report.locator("#live-maps svg.map").waitFor();
+    // A page that is loaded again is as it was.
+    await page.reload();
+    await page.getByText("Finished.").waitFor();
+    assert.equal(await points(page), 8);
+    assert.equal(await at(page, "bolts.load").locator("input").inputValue(), "12.7 kN");
+    await page.getByText("The scene is complete.").waitFor();
     await end();
     assert(seconds < GOAL, `${seconds.toFixed(1)} s from the mesh to the backbone`);
     console.log(`ok from the mesh to the backbone with the mouse, stopped once: ${seconds.toFixed(1)} s`);

@@ -1,8 +1,12 @@
 //! The servers of `view` and `setup` over real connections: what their pages ask for is answered, and nothing else is done.
 #![allow(clippy::unwrap_used)]
 
-use crate::common::{folder, succeeds};
+use crate::common::page::data_of;
+use crate::common::{exit_code, folder, messages, run, succeeds};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
@@ -497,4 +501,51 @@ fn runs_of_a_setup_are_one_at_a_time_and_can_be_stopped_and_resumed() {
     assert!(told["end"]["answer"].as_str().unwrap().contains("mode 1: "), "{told}");
     let report = server.get(&format!("{}results/report.html", server.root));
     assert_eq!(status(&report), 200);
+}
+
+#[test]
+fn the_page_of_a_setup_has_the_bodies_with_what_touches() {
+    let folder = lap("web-page");
+    let server = Server::start(&folder, &["setup", "lap/mesh.msh", "--length", "m", "--no-open"]);
+    let page = server.get(&server.root);
+    let data: Value = serde_json::from_str(data_of(&page)).unwrap();
+    let (facts, shape) = (&data["facts"], &data["shape"]);
+    assert_eq!(
+        (&facts["mesh"], &facts["length"], &facts["scene_file"]),
+        (&json!("mesh.msh"), &json!("m"), &json!("scene.json"))
+    );
+    assert_eq!(facts["touching"][0]["entry"]["between"], json!(["bar 1", "bar 2"]));
+    let numbers = |name: &str| -> Vec<u32> {
+        let bytes = STANDARD.decode(shape[name].as_str().unwrap()).unwrap();
+        bytes
+            .chunks(4)
+            .map(|four| u32::from_le_bytes(four.try_into().unwrap()))
+            .collect()
+    };
+    let (bodies, patches, touching) = (numbers("bodies"), numbers("patches"), numbers("touching"));
+    let of = |all: &[u32]| all.iter().collect::<BTreeSet<_>>().len();
+    // Two bars of six plane sides, which touch on 12 x 6 elements each.
+    assert_eq!((of(&bodies), of(&patches)), (2, 12));
+    assert_eq!(touching.iter().filter(|pair| **pair == 1).count(), 2 * 72);
+    assert!(touching.iter().all(|pair| *pair <= 1));
+    // Two triangles of each quadrilateral.
+    assert_eq!(numbers("face_of_triangle").len(), 2 * bodies.len());
+    assert_eq!(numbers("triangles").len(), 6 * bodies.len());
+    assert_eq!(shape["named"][0][0], "first end");
+    // What a mesh is not is said.
+    for (arguments, said) in [
+        (&["setup", "secret", "--no-open"][..], "extension is not that of a mesh"),
+        (&["setup", "missing.json", "--no-open"], "missing.json"),
+        (
+            &["setup", "lap/scene.json", "--length", "mm", "--no-open"],
+            "leave --length out",
+        ),
+    ] {
+        let output = run(&folder, arguments);
+        assert!(
+            exit_code(&output) == 1 && messages(&output).contains(said),
+            "{}",
+            messages(&output)
+        );
+    }
 }

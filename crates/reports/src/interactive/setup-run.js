@@ -28,7 +28,7 @@ function showRun(host, form, facts, complete, refused) {
   const run = button("Run", () => write("run"), { class: "main" });
   const stop = button("Stop", () => send("stop", {}));
   const buttons = element("div", { class: "controls", role: "group", "aria-label": "Save and run" }, save, run, stop);
-  host.append(buttons, asked, status, bar, report, answer, charts, details);
+  host.append(buttons, element("p", { class: "hint" }, `The scene is saved as ${facts.scene_file}, results go to ${facts.results}.`), asked, status, bar, report, answer, charts, details);
   details.hidden = true;
   const [above, below] = [element("div"), element("div")];
   charts.append(above, below);

@@ -220,14 +220,17 @@ function showModel(host, shape, facts, marks, picked) {
     apart = Number(slider.value);
     refresh();
   } });
-  const turns = [["Turn left", "ArrowLeft"], ["Turn right", "ArrowRight"], ["Closer", "+"], ["Farther", "-"], ["Whole model", "0"]];
+  const turns = [["Turn left", "ArrowLeft"], ["Turn right", "ArrowRight"], ["Closer", "+"], ["Farther", "-"]];
   controls.append(
     element("label", { class: "control" }, "Bodies apart ", slider),
     ...turns.map(([text, key]) => button(text, () => Array.from({ length: key.startsWith("Arrow") ? 4 : 1 }, () => view.canvas.dispatchEvent(new KeyboardEvent("keydown", { key }))))),
+    button("Whole model", () => view.look(boxOf(moved))),
   );
   if (count === 0) {
     host.append(element("p", { class: "told" }, "The surface has more triangles than a page draws, so that only edges are shown and nothing can be picked on it. The lists and fields do all the same."));
   }
+  refresh();
+  view.look(boxOf(moved));
   return {
     refresh,
     /** Marks a smooth surface as picked. */

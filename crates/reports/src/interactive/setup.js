@@ -23,13 +23,16 @@ function proposal(facts) {
 
 function showSetup(host, { facts, shape: raw }) {
   const shape = readShape(raw);
-  const scene = facts.scene ?? proposal(facts);
+  // A page that is loaded again goes on where it was.
+  const kept = sessionStorage.getItem(location.pathname);
+  const scene = kept === null ? facts.scene ?? proposal(facts) : JSON.parse(kept);
   const mesh = "structure.mesh";
   let verdict = { complete: false, errors: [], echo: null };
   let pick = null;
   let run = null;
   let model = { refresh: () => {}, select: () => {} };
   const changed = () => {
+    sessionStorage.setItem(location.pathname, form.text());
     model.refresh();
     ask();
   };
@@ -244,13 +247,14 @@ function showSetup(host, { facts, shape: raw }) {
     const rows = [...surface.pairs].map((pair) => interfaces.all[pair]);
     const named = nameFor(surface);
     const support = supports.all.find((row) => row.entry.surface === named?.name && named !== undefined);
-    const size = Math.max(...boxOf(shape.positions)[1].map((v, c) => v - boxOf(shape.positions)[0][c]));
+    // A bolt clamps what its axis meets, and what lies on that without a gap.
+    const depth = 0.02 * lengthOf(minus(...boxOf(shape.positions)));
     pickButtons.replaceChildren(
       ...rows.filter((row) => row.reason === undefined).map((row) => then(`${row.used ? "No interface" : "Interface"}: ${row.entry.name}`, () => interfaces.set(row, !row.used))),
       ...(support === undefined ? [] : [then(`${support.used ? "Do not hold" : "Hold"} ${support.text}`, () => supports.set(support, !support.used))]),
       then("Response here", () => respond({ nearest: point, direction: surface.normal })),
       then("Force here", () => force(node, surface.normal)),
-      ...(surface.flat ? [then("Bolt through here", () => addBolt([point, point.map((v, c) => Number((v - size * surface.normal[c]).toPrecision(7)))]))] : []),
+      ...(surface.flat ? [then("Bolt through here", () => addBolt([point, point.map((v, c) => Number((v - depth * surface.normal[c]).toPrecision(6)))]))] : []),
     );
     const lacks = [
       rows.length === 0 ? "It touches no other body, so that it is no interface." : `It is part of ${rows.map((row) => row.entry.name).join(", ")}.`,
@@ -317,9 +321,9 @@ function showSetup(host, { facts, shape: raw }) {
     };
   }
   model = { ...model, ...showModel(picture, shape, facts, marks, picked) };
-  model.refresh();
   form.refresh();
   question();
+  fetch("progress?from=0").then((response) => response.json()).then((told) => told !== null && run.follow());
 }
 
 document.documentElement.classList.add("is-live");

@@ -23,6 +23,8 @@ pub(super) struct Checker {
     pub(super) name: String,
     /// For each solid of the mesh the number of its body.
     pub(super) body_of_cell: Vec<u32>,
+    /// Whose turn it is: meshes may be large.
+    pub(super) turn: Mutex<()>,
 }
 
 /// What is wrong, and with which field of the scene.
@@ -90,6 +92,7 @@ impl Checker {
     /// Reads the text of a scene as `run` does, up to the structure that it describes. While something that the physics depends on is missing, any
     /// value stands for it, and nothing is told that depends on it.
     pub(super) fn verdict(&self, text: &str) -> Verdict {
+        let _turn = self.turn.lock();
         let mut verdict = Verdict::default();
         let found = self.look(text, &mut verdict);
         if let Err(fault) = found

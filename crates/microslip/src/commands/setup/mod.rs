@@ -19,6 +19,7 @@ use joints::structure::survey::Survey;
 use serde_json::{Map, Value, json};
 use site::Place;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 /// Options of `setup`.
 #[derive(clap::Args)]
@@ -92,6 +93,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
             place: scene_name.clone(),
             name: stem,
             body_of_cell: shape.body_of_cell,
+            turn: Mutex::default(),
         },
         scene: folder.join(scene_name),
         out,
