@@ -425,6 +425,9 @@ fn setup_says_what_is_missing_and_keeps_to_its_folder() {
     assert_eq!(fields, expected);
     assert_eq!(found["echo"]["masses"], json!([]));
     assert!(found["echo"]["seats"][0]["covered"].as_f64().unwrap() > 0.5);
+    // The fields alone are judged without the mesh.
+    let quick = server.send("check", &json!({ "scene": bare.to_string(), "fields": true }));
+    assert_eq!((&quick["errors"], &quick["echo"]), (&found["errors"], &Value::Null));
     bare.as_object_mut().unwrap().remove("units");
     assert_eq!(check(&bare)["errors"][0]["field"], "units");
     // Messages name the field that is wrong, beside what is missing.

@@ -27,7 +27,7 @@ function showSetup(host, { facts, shape: raw }) {
   const kept = sessionStorage.getItem(location.pathname);
   const scene = kept === null ? facts.scene ?? proposal(facts) : JSON.parse(kept);
   const mesh = "structure.mesh";
-  let verdict = { complete: false, errors: [], echo: null };
+  let verdict = { complete: false, errors: [] };
   let pick = null;
   let run = null;
   let model = { refresh: () => {}, select: () => {} };
@@ -40,40 +40,53 @@ function showSetup(host, { facts, shape: raw }) {
   const number = (text) => readable(text, 5);
   const nameOf = (body) => facts.bodies[body].name;
 
-  // What the program says of the scene: asked after each change, one question at a time.
+  // What the program says of the scene: of its fields at once after each change, of the structure when it has read the mesh.
   const said = element("div", { class: "said", role: "status", "aria-live": "polite" });
   const lines = element("ul", { class: "lines" });
+  const check = async (fields) => {
+    const answer = await send("check", { scene: form.text(), fields }).catch(() => ({ error: "The program does not answer any more; start it again." }));
+    return answer.error === undefined ? answer : { complete: false, errors: [{ field: null, message: answer.error }] };
+  };
+  let version = 0;
   let timer = 0;
-  let asking = false;
-  let again = false;
+  let isReading = false;
   function ask() {
+    version += 1;
     verdict = { ...verdict, complete: false };
     run?.enable();
     clearTimeout(timer);
     timer = setTimeout(question, WAIT);
   }
   async function question() {
-    if (asking) {
-      again = true;
-      return;
+    const own = version;
+    const found = await check(true);
+    if (own === version) {
+      tell({ ...found, complete: false, echo: verdict.echo }, true);
+      read();
     }
-    asking = true;
-    const text = form.text();
-    const answer = await send("check", { scene: text }).catch(() => ({ error: "The program does not answer any more; start it again." }));
-    asking = false;
-    if (again || text !== form.text()) {
-      again = false;
-      question();
-      return;
-    }
-    tell(answer.error === undefined ? answer : { complete: false, errors: [{ field: null, message: answer.error }], echo: null });
   }
-  function tell(found) {
+  /** One question at a time; what has changed since is asked again. */
+  async function read() {
+    if (isReading) {
+      return;
+    }
+    isReading = true;
+    const own = version;
+    const found = await check(false);
+    isReading = false;
+    if (own === version) {
+      tell(found, false);
+    } else {
+      read();
+    }
+  }
+  function tell(found, isOfFields) {
     verdict = found;
+    host.classList.toggle("stale", isOfFields);
     const homeless = form.showMessages(verdict.errors);
     const open = verdict.errors.length;
     said.replaceChildren(
-      element("p", {}, element("strong", {}, verdict.complete ? "The scene is complete." : open === 1 ? "One thing is missing or wrong." : `${open} things are missing or wrong.`), verdict.complete ? "" : " Each is told beside its field."),
+      element("p", {}, element("strong", {}, verdict.complete ? "The scene is complete." : open === 0 ? "The mesh is being read." : open === 1 ? "One thing is missing or wrong." : `${open} things are missing or wrong.`), open === 0 ? "" : " Each is told beside its field."),
       ...homeless.map(({ message }) => element("p", { class: "wrong" }, message)),
     );
     const echo = verdict.echo ?? {};
@@ -288,7 +301,7 @@ function showSetup(host, { facts, shape: raw }) {
   );
   const runPart = element("section", { class: "run" }, element("h2", {}, "Check and run"), said);
   host.append(viewPart, forms, runPart);
-  run = showRun(runPart, form, facts, () => verdict.complete, (errors) => errors.length > 0 && tell({ complete: false, errors, echo: null }));
+  run = showRun(runPart, form, facts, () => verdict.complete, (errors) => errors.length > 0 && tell({ complete: false, errors }, false));
   runPart.append(element("details", { open: true }, element("summary", {}, "What the program reads"), lines));
   drawResponse();
   drawForce();

@@ -1,6 +1,6 @@
 //! What the server of a set-up answers.
 
-use super::check::Checker;
+use super::check::{Checker, Depth};
 use super::job::Job;
 use crate::commands::web::{Answer, BAD_REQUEST, METHOD_NOT_ALLOWED, Method, NOT_FOUND, Request, Site, file};
 use file_io::durable;
@@ -46,6 +46,9 @@ struct Sent {
     replace: bool,
     #[serde(default)]
     overwrite: bool,
+    /// Whether a check is of the fields alone, without the mesh.
+    #[serde(default)]
+    fields: bool,
 }
 
 /// What is done with what a page sends.
@@ -75,7 +78,8 @@ impl Setup {
 
     fn act(&self, action: &str, sent: &Sent) -> Answer {
         if action == "check" {
-            return Answer::json(&self.place.checker.verdict(&sent.scene).json());
+            let depth = if sent.fields { Depth::Fields } else { Depth::Structure };
+            return Answer::json(&self.place.checker.verdict(&sent.scene, depth).json());
         }
         // One at a time: two pages may be open.
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
@@ -122,7 +126,7 @@ impl Setup {
         if state.job.as_ref().is_some_and(|job| job.is_running()) {
             return Err(refused("a run is under way; stop it, or wait for its end".into()));
         }
-        let verdict = self.place.checker.verdict(&sent.scene);
+        let verdict = self.place.checker.verdict(&sent.scene, Depth::Structure);
         if !verdict.is_complete() {
             return Err(Answer::json(&verdict.json()));
         }
