@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use microslip::commands::{self, SceneArguments};
+use microslip::progress::Display;
 use microslip::{Defaults, Outcome};
 
 /// Arguments of the command: without a scene the built-in scene brb-flat runs, or brb-deck if there is a deck.
@@ -11,6 +12,13 @@ pub struct Arguments {
     scene: SceneArguments,
     #[command(flatten)]
     options: commands::run::Arguments,
+}
+
+impl Arguments {
+    /// How the command shows what it does.
+    pub fn display(&self) -> Display {
+        self.options.display
+    }
 }
 
 /// Runs the command.

@@ -1,5 +1,6 @@
 //! Runs a task in another program of the workspace.
 
+use microslip::progress::Display;
 use std::ffi::OsString;
 use std::process::{Command, ExitCode};
 
@@ -23,7 +24,9 @@ pub(crate) fn hand_over(package: &str, profile: &str, arguments: impl IntoIterat
         ])
         .args(arguments);
     become_command(&mut command).unwrap_or_else(|error| {
-        microslip::execute(|| Err(anyhow::Error::new(error).context(format!("running {}", cargo.display()))))
+        microslip::execute(Display::default(), || {
+            Err(anyhow::Error::new(error).context(format!("running {}", cargo.display())))
+        })
     })
 }
 

@@ -7,6 +7,7 @@ use handover::hand_over;
 use microslip::Outcome;
 use microslip::check::{self, Demand};
 use microslip::commands::{EXIT_CODES, print};
+use microslip::progress::Display;
 use std::env::args_os;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -46,12 +47,12 @@ enum Task {
 fn main() -> ExitCode {
     let success = |()| Outcome::Success;
     match Cli::parse().command {
-        Task::Brb(arguments) => microslip::execute(|| brb::run(&arguments, &defaults())),
-        Task::Program(command) => microslip::execute(|| command.run(&defaults())),
+        Task::Brb(arguments) => microslip::execute(arguments.display(), || brb::run(&arguments, &defaults())),
+        Task::Program(command) => microslip::execute(command.display(), || command.run(&defaults())),
         Task::Validation(Validation::Bench(_)) => hand_over("validation", "bench", args_os().skip(1)),
         Task::Validation(_) | Task::CheckLayering => hand_over("validation", "release", args_os().skip(1)),
-        Task::Requirements => microslip::execute(|| requirements::run().map(success)),
-        Task::CheckResults { directory } => microslip::execute(|| {
+        Task::Requirements => microslip::execute(Display::default(), || requirements::run().map(success)),
+        Task::CheckResults { directory } => microslip::execute(Display::default(), || {
             let count = check::results(&directory, Demand::Complete)?;
             print(&format!("{}: {count} checks passed\n", directory.display())).map(success)
         }),

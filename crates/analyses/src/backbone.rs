@@ -15,11 +15,12 @@ use cqsma_solver::sensitivity::Derivatives;
 use cqsma_solver::{BackbonePoint, NewtonSettings};
 use dense_algebra::SystemMatrix;
 use joints::interface::InterfaceForce;
-use joints::progress::{Progress, Stage};
+use joints::progress::{Amplitude, Progress, Stage};
 use joints::store::checkpoint::{Checkpoint, Checkpoints};
 use joints::store::key::KeyBuilder;
 use reduction::ReducedModel;
 use scenes::{Length, Scene};
+use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -115,7 +116,7 @@ impl<'a> Request<'a> {
             None => None,
         };
         let along = derivatives.as_ref().map(|(_, derivatives)| derivatives);
-        let (done, checkpoints) = self.loops(finished, &forces, &settings, along, share, progress)?;
+        let (done, checkpoints) = self.loops(finished, (&forces, phi), &settings, along, share, progress)?;
         let sensitivities = derivatives
             .as_ref()
             .map_or_else(Vec::new, |(sensitivities, derivatives)| {
@@ -269,11 +270,11 @@ impl<'a> Request<'a> {
         finished
     }
 
-    /// All loops in ascending order of amplitude.
+    /// All loops in ascending order of amplitude; a mode moves the response point by `phi`.
     fn loops(
         &self,
         finished: Finished,
-        forces: &[f64],
+        (forces, phi): (&[f64], f64),
         settings: &Settings,
         derivatives: Option<&Derivatives<'_, InterfaceForce<'a>>>,
         share: &(dyn Fn(f64) -> f64 + Sync),
@@ -284,9 +285,21 @@ impl<'a> Request<'a> {
         let scene = self.about.scene;
         let stored = scene.fields_at();
         let estimates_mesh = self.walks.is_some() && ErrorBar::is_estimated(scene);
+        let tell = |point: &BackbonePoint| {
+            if let Ok(found) = &point.result {
+                progress.amplitude(&Amplitude {
+                    mode: self.mode + 1,
+                    amplitude_m: found.modal_amplitude * phi.abs(),
+                    frequency_hz: found.omega / TAU,
+                    damping_ratio: found.is_resolved().then_some(found.zeta + scene.background_damping),
+                });
+            }
+        };
+        finished.values().for_each(|(point, _)| tell(point));
         let count = AtomicUsize::new(forces.len() - pending.len());
         let finish = |index: usize, point: &BackbonePoint, fields: Option<&LoopFields>| {
             finished.add(index, (point, fields));
+            tell(point);
             let done = count.fetch_add(1, Ordering::Relaxed) + 1;
             progress.fraction(Stage::Backbone, share(done as f64 / forces.len() as f64));
             if progress.interrupted() {

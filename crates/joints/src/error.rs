@@ -280,6 +280,9 @@ impl Error {
         match self {
             Self::Scene(error) => error.field(),
             Self::MeshScene { field, .. } => Some(field),
+            Self::Facing { reason } if reason.starts_with("structure.mesh.interfaces") => {
+                Some("structure.mesh.interfaces")
+            }
             Self::NodeSet { field, .. } | Self::FreeBase { field, .. } => Some(field),
             Self::NotRaisable { .. } => Some("model.element_order"),
             Self::Parameters { .. } => Some("interfaces.surface.parameters"),

@@ -60,12 +60,28 @@ impl Stage {
     }
 }
 
+/// An amplitude of a mode that is finished.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Amplitude {
+    /// The mode, counted from 1.
+    pub mode: usize,
+    /// Displacement amplitude at the response point (m).
+    pub amplitude_m: f64,
+    /// Frequency (Hz).
+    pub frequency_hz: f64,
+    /// Total damping ratio; none below its floor.
+    pub damping_ratio: Option<f64>,
+}
+
 /// Receives the progress of a run; calls may come from several threads.
 pub trait Progress: Sync {
     /// A stage begins.
     fn begin(&self, _stage: Stage) {}
     /// Part of the current stage that is done, from 0 to 1.
     fn fraction(&self, _stage: Stage, _done: f64) {}
+    /// An amplitude of a backbone of the scene itself is finished, in any order. The first one after a stage [`Stage::Backbone`] began stands in the
+    /// place of all before.
+    fn amplitude(&self, _found: &Amplitude) {}
     /// A stage has ended.
     fn end(&self, _stage: Stage) {}
     /// Asked often, from any thread: whether to stop. What is finished is kept for the next run of the scene if there is a cache.

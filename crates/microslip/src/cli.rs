@@ -1,6 +1,7 @@
 //! The command line of the program, which its manual pages and completions are made of too.
 
 use crate::commands::{self, Command, Defaults, EXIT_CODES, Outcome, SceneArguments};
+use crate::progress::Display;
 use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
@@ -35,6 +36,15 @@ enum Program {
 }
 
 impl Cli {
+    /// How the command shows what it does.
+    pub fn display(&self) -> Display {
+        match &self.command {
+            Program::Run { options, .. } => options.display,
+            Program::Other(other) => other.display(),
+            Program::Completions { .. } => Display::default(),
+        }
+    }
+
     /// Runs the command that is asked for.
     ///
     /// # Errors

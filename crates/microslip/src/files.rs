@@ -1,11 +1,11 @@
 //! Folders of results, each written by one command at a time and replaced as a set.
 
+use crate::progress::Display;
 use anyhow::{Result, anyhow};
 use file_io::durable::{Folder, Identity};
 use reports::Output;
 use scenes::read_json;
 use serde::de::DeserializeOwned;
-use std::io::Write;
 use std::path::Path;
 
 /// Whether results of something else may be replaced.
@@ -23,15 +23,24 @@ impl Overwrite {
     /// # Errors
     /// Another process holds the folder; it holds results of something else; it cannot be made.
     pub fn open(&self, directory: &Path, identity: &Identity, names: &[&str]) -> Result<Folder> {
+        self.open_for(Display::default(), directory, identity, names)
+    }
+
+    /// The same for a command that shows what it does in a way of its own.
+    pub(crate) fn open_for(
+        &self,
+        display: Display,
+        directory: &Path,
+        identity: &Identity,
+        names: &[&str],
+    ) -> Result<Folder> {
         let folder = Folder::open(directory, identity, self.overwrite)?;
         folder.expect(names.iter().copied())?;
         if !folder.is_locked() {
-            // Who cannot be told is not told.
-            let _ = writeln!(
-                std::io::stderr(),
-                "warning: {}: the file system has no locks; start no other command with this folder before the end",
+            display.warn(&format!(
+                "{}: the file system has no locks; start no other command with this folder before the end",
                 directory.display()
-            );
+            ));
         }
         Ok(folder)
     }

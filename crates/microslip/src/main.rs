@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    microslip::execute(|| {
+    microslip::execute(cli.display(), || {
         cli.run(&Defaults {
             cache: user_cache(),
             benchmark: None,

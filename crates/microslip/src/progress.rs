@@ -1,52 +1,198 @@
-//! Progress and timing of a run.
+//! What a command shows while it works, and in the end: to a person, or as JSON to a program.
 
 use crate::text;
+use anyhow::Result;
 use host::StageTimes;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use joints::progress::{Progress, Stage};
+use joints::progress::{Amplitude, Progress, Stage};
+use serde::Serialize;
+use serde_json::json;
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
-use std::time::Duration;
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Parts of a bar.
 const STEPS: f64 = 1000.0;
 
-/// Shows progress on standard error: a bar with an estimate on a terminal, plain lines elsewhere.
-pub struct Monitor {
-    bar: Option<ProgressBar>,
-    times: StageTimes,
+/// Time between two events of progress, at least.
+const BETWEEN: Duration = Duration::from_millis(100);
+
+/// How a command shows what it does.
+#[derive(clap::Args, Clone, Copy, Debug, Default)]
+pub struct Display {
+    /// For programs: lines of JSON on standard error, one for each event, and in the end an object with the folder of the results and the answer on
+    /// standard output.
+    #[arg(long)]
+    json: bool,
+    /// Show nothing before the end but warnings and errors.
+    #[arg(long, conflicts_with = "json")]
+    quiet: bool,
 }
 
-impl Monitor {
-    /// Begins to measure.
+/// A line of JSON.
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "lowercase")]
+enum Event<'a> {
+    Begin {
+        stage: &'a str,
+    },
+    Progress {
+        stage: &'a str,
+        fraction: f64,
+        seconds_left: Option<f64>,
+    },
+    Point {
+        mode: usize,
+        amplitude_m: f64,
+        frequency_hz: f64,
+        damping_ratio: Option<f64>,
+    },
+    End {
+        stage: &'a str,
+        seconds: f64,
+    },
+    Note {
+        text: String,
+    },
+    Echo {
+        text: String,
+    },
+    Warning {
+        text: String,
+    },
+    Error {
+        text: String,
+    },
+}
+
+impl Event<'_> {
+    /// What a person reads of it, in a line that stays.
+    fn line(&self) -> Option<String> {
+        match self {
+            Self::Begin { .. } | Self::Progress { .. } | Self::Point { .. } => None,
+            Self::End { stage, seconds } => Some(format!("{stage:>12} ... {seconds:.1} s")),
+            Self::Note { text } => Some(format!("{:>12}     {text}", "")),
+            Self::Echo { text } => Some(text.clone()),
+            Self::Warning { text } => Some(format!("warning: {text}")),
+            Self::Error { text } => Some(format!("error: {text}")),
+        }
+    }
+
+    fn is_trouble(&self) -> bool {
+        matches!(self, Self::Warning { .. } | Self::Error { .. })
+    }
+}
+
+/// A text that may hold what files hold.
+fn safe(text: &str) -> String {
+    text::short(&text::visible(text))
+}
+
+impl Display {
+    /// Tells an error with its causes.
+    pub fn error(self, error: &anyhow::Error) {
+        self.tell(&Event::Error {
+            text: text::of_error(error),
+        });
+    }
+
+    /// Tells what is wrong with what was found.
+    pub fn warn(self, text: &str) {
+        self.tell(&Event::Warning { text: safe(text) });
+    }
+
+    /// Ends a command: prints the `text`, or where the results are with the answer.
     ///
     /// # Errors
-    /// The terminal refuses the bar.
-    pub fn new() -> anyhow::Result<Self> {
+    /// Standard output cannot be written.
+    pub fn conclude(self, results: &Path, answer: &impl Serialize, text: &str) -> Result<()> {
+        match self.json {
+            true => text::print(
+                &(text::json(&json!({ "results": results.display().to_string(), "answer": answer }))? + "\n"),
+            ),
+            false => text::print(text),
+        }
+    }
+
+    /// Writes an event to standard error. Who cannot be told is not told: progress that nobody can read must not stop a run.
+    fn tell(self, event: &Event<'_>) {
+        let line = match self.json {
+            true => text::json(event).ok(),
+            false => event.line().filter(|_| !self.quiet || event.is_trouble()),
+        };
+        if let Some(line) = line {
+            let _ = writeln!(std::io::stderr(), "{line}");
+        }
+    }
+
+    fn has_bar(self) -> bool {
+        !self.json && !self.quiet && std::io::stderr().is_terminal()
+    }
+}
+
+/// Where events go.
+struct Screen {
+    display: Display,
+    /// If there is a terminal for it.
+    bar: Option<ProgressBar>,
+    /// When progress was told last.
+    told: Mutex<Option<Instant>>,
+}
+
+impl Screen {
+    fn new(display: Display) -> Result<Self> {
         Ok(Self {
-            bar: progress_bar()?,
-            times: StageTimes::default(),
+            display,
+            bar: display.has_bar().then(progress_bar).transpose()?,
+            told: Mutex::default(),
         })
     }
 
-    /// Ends the display and gives the seconds per stage, zero for those that the cache made unnecessary.
-    pub fn finish(&self) -> BTreeMap<String, f64> {
+    fn begin(&self, stage: &str) {
+        if let Some(bar) = &self.bar {
+            bar.reset();
+            bar.set_prefix(stage.to_owned());
+        }
+        *self.told.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        self.tell(&Event::Begin { stage });
+    }
+
+    fn fraction(&self, stage: &str, done: f64) {
+        let fraction = done.clamp(0.0, 1.0);
+        if let Some(bar) = &self.bar {
+            bar.set_position((fraction * STEPS) as u64);
+            return;
+        }
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        if told.is_none_or(|told| told.elapsed() >= BETWEEN) {
+            *told = Some(Instant::now());
+            self.tell(&Event::Progress {
+                stage,
+                fraction,
+                seconds_left: None,
+            });
+        }
+    }
+
+    fn tell(&self, event: &Event<'_>) {
+        match (&self.bar, event.line()) {
+            (Some(bar), Some(line)) => bar.println(line),
+            (Some(_), None) => {}
+            (None, _) => self.display.tell(event),
+        }
+    }
+
+    fn finish(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
-        self.times.seconds()
-    }
-
-    fn line(&self, text: &str) {
-        line(self.bar.as_ref(), text);
     }
 }
 
-/// A bar with an estimate, if standard error is a terminal.
-fn progress_bar() -> anyhow::Result<Option<ProgressBar>> {
-    if !std::io::stderr().is_terminal() {
-        return Ok(None);
-    }
+/// A bar with an estimate.
+fn progress_bar() -> Result<ProgressBar> {
     let bar = ProgressBar::with_draw_target(Some(STEPS as u64), ProgressDrawTarget::stderr());
     let style = ProgressStyle::with_template("{prefix:>12} [{bar:40}] {percent:>3} %  {elapsed}{left}")?;
     // Before the first sign of progress there is nothing to estimate from.
@@ -58,85 +204,123 @@ fn progress_bar() -> anyhow::Result<Option<ProgressBar>> {
     };
     bar.set_style(style.with_key("left", left).progress_chars("=> "));
     bar.enable_steady_tick(Duration::from_millis(250));
-    Ok(Some(bar))
+    Ok(bar)
 }
 
-fn line(bar: Option<&ProgressBar>, text: &str) {
-    let text = text::short(&text::visible(text));
-    match bar {
-        Some(bar) => bar.println(text),
-        // Progress that nobody can read must not stop the run.
-        None => drop(writeln!(std::io::stderr(), "{text}")),
-    }
+/// Progress and timing of a run.
+pub struct Monitor {
+    screen: Screen,
+    times: StageTimes,
+    /// Whether amplitudes are told.
+    is_itself: bool,
 }
 
-/// Progress of a study of many scenes: one bar on a terminal, plain lines elsewhere.
-pub struct Bar {
-    bar: Option<ProgressBar>,
-}
-
-impl Bar {
-    /// A bar with this word before it.
+impl Monitor {
+    /// Begins to measure.
     ///
     /// # Errors
     /// The terminal refuses the bar.
-    pub fn new(name: &'static str) -> anyhow::Result<Self> {
-        let bar = progress_bar()?;
-        if let Some(bar) = &bar {
-            bar.set_prefix(name);
-        }
-        Ok(Self { bar })
+    pub fn new(display: Display) -> Result<Self> {
+        Ok(Self {
+            screen: Screen::new(display)?,
+            times: StageTimes::default(),
+            is_itself: true,
+        })
     }
 
-    /// Moves the bar, from 0 to 1.
-    pub fn fraction(&self, done: f64) {
-        if let Some(bar) = &self.bar {
-            bar.set_position((done.clamp(0.0, 1.0) * STEPS) as u64);
+    /// The same for a run beside that of the scene, whose amplitudes are not told.
+    #[must_use]
+    pub fn beside(self) -> Self {
+        Self {
+            is_itself: false,
+            ..self
         }
     }
 
-    /// Shows a line that stays.
-    pub fn line(&self, text: &str) {
-        line(self.bar.as_ref(), text);
-    }
-
-    /// Ends the display.
-    pub fn finish(&self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
+    /// Ends the display and gives the seconds per stage, zero for those that the cache made unnecessary.
+    pub fn finish(&self) -> BTreeMap<String, f64> {
+        self.screen.finish();
+        self.times.seconds()
     }
 }
 
 impl Progress for Monitor {
     fn begin(&self, stage: Stage) {
-        if let Some(bar) = &self.bar {
-            bar.reset();
-            bar.set_prefix(stage.name());
-        }
+        self.screen.begin(stage.name());
         self.times.begin(stage);
     }
 
-    fn fraction(&self, _: Stage, done: f64) {
-        if let Some(bar) = &self.bar {
-            bar.set_position((done.clamp(0.0, 1.0) * STEPS) as u64);
+    fn fraction(&self, stage: Stage, done: f64) {
+        self.screen.fraction(stage.name(), done);
+    }
+
+    fn amplitude(&self, found: &Amplitude) {
+        if self.is_itself {
+            self.screen.tell(&Event::Point {
+                mode: found.mode,
+                amplitude_m: found.amplitude_m,
+                frequency_hz: found.frequency_hz,
+                damping_ratio: found.damping_ratio,
+            });
         }
     }
 
     fn end(&self, stage: Stage) {
         let seconds = self.times.end(stage);
-        self.line(&format!("{:>12} ... {seconds:.1} s", stage.name()));
+        self.screen.tell(&Event::End {
+            stage: stage.name(),
+            seconds,
+        });
     }
 
     fn note(&self, text: &str) {
-        self.line(&format!("{:>12}     {text}", ""));
+        self.screen.tell(&Event::Note { text: safe(text) });
     }
 
     fn warn(&self, text: &str) {
-        self.line(&format!("warning: {text}"));
+        self.screen.tell(&Event::Warning { text: safe(text) });
     }
 
     fn echo(&self, line: &str) {
-        self.line(line);
+        self.screen.tell(&Event::Echo { text: safe(line) });
+    }
+}
+
+/// Progress of a study of many scenes: one stage.
+pub struct Bar {
+    screen: Screen,
+    name: &'static str,
+}
+
+impl Bar {
+    /// A study that is called so.
+    ///
+    /// # Errors
+    /// The terminal refuses the bar.
+    pub fn new(name: &'static str, display: Display) -> Result<Self> {
+        let screen = Screen::new(display)?;
+        screen.begin(name);
+        Ok(Self { screen, name })
+    }
+
+    /// Whether lines are all that a person sees of it.
+    pub fn is_plain(&self) -> bool {
+        let Display { json, quiet } = self.screen.display;
+        self.screen.bar.is_none() && !json && !quiet
+    }
+
+    /// Tells what is done, from 0 to 1.
+    pub fn fraction(&self, done: f64) {
+        self.screen.fraction(self.name, done);
+    }
+
+    /// Shows a line that stays.
+    pub fn line(&self, text: &str) {
+        self.screen.tell(&Event::Echo { text: safe(text) });
+    }
+
+    /// Ends the display.
+    pub fn finish(&self) {
+        self.screen.finish();
     }
 }

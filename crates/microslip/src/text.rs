@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use host::with_causes;
+use serde::Serialize;
 use std::io::Write;
 
 /// Prints a finished text; a reader that has gone away (as `head` does) is no error.
@@ -18,6 +19,22 @@ pub fn print(text: &str) -> Result<()> {
 /// An error with its causes in one line, for a terminal.
 pub(crate) fn of_error(error: &anyhow::Error) -> String {
     short(&visible(&with_causes(error.as_ref())))
+}
+
+/// A line of JSON. JSON itself asks for escapes of some control characters, terminals need them of all.
+///
+/// # Errors
+/// A value that JSON has no form for.
+pub(crate) fn json(value: &impl Serialize) -> Result<String> {
+    let text = serde_json::to_string(value)?;
+    let mut line = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c.is_control() {
+            true => line.push_str(&format!("\\u{:04x}", u32::from(c))),
+            false => line.push(c),
+        }
+    }
+    Ok(line)
 }
 
 /// The text with its control characters escaped, but for the ends of lines and tabulators: a terminal shows them, and does not obey.
@@ -54,7 +71,7 @@ fn ends(text: &str, most: usize, [first, last]: [usize; 2]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{of_error, short, visible};
+    use super::{json, of_error, short, visible};
     use anyhow::anyhow;
 
     #[test]
@@ -64,6 +81,14 @@ mod tests {
             .context("the scene");
         assert_eq!(of_error(&error), "the scene: a.json: no such file; check it");
         assert_eq!(of_error(&anyhow!("b").context("a")), "a: b");
+    }
+
+    #[test]
+    fn json_reads_back_and_commands_no_terminal() {
+        let text = "a\u{1b}[2J\n\u{9b}\u{7f}\u{e9}";
+        let line = json(&text).unwrap();
+        assert!(!line.chars().any(char::is_control), "{line:?}");
+        assert_eq!(serde_json::from_str::<String>(&line).unwrap(), text);
     }
 
     #[test]

@@ -56,12 +56,62 @@ export function bridge() {
   }
   const names = [[3, 1, "upper"], [3, 2, "lower"], [2, 3, "top left"], [2, 4, "top right"], [2, 5, "bottom left"], [2, 6, "bottom right"],
     [2, 7, "head left"], [2, 8, "nut left"], [2, 9, "head right"], [2, 10, "nut right"]];
+  return gmsh(names, nodes, lines);
+}
+
+/** The text of a mesh of Gmsh 2.2. */
+function gmsh(names, nodes, lines) {
   return [
     "$MeshFormat", "2.2 0 8", "$EndMeshFormat",
     "$PhysicalNames", names.length, ...names.map(([dimension, number, name]) => `${dimension} ${number} "${name}"`), "$EndPhysicalNames",
     "$Nodes", nodes.length, ...nodes.map((x, i) => `${i + 1} ${x.join(" ")}`), "$EndNodes",
     "$Elements", lines.length, ...lines, "$EndElements", "",
   ].join("\n");
+}
+
+/** Two plates that overlap, with two holes for bolts M8, as a mesh of Gmsh 2.2 in millimetres. One end has a name, the faces in contact have none. */
+export function lap() {
+  const [nodes, numbers, lines] = [[], new Map(), []];
+  const node = (body, x) => {
+    const key = `${body} ${x.map((v) => Math.round(1e6 * v)).join(" ")}`;
+    if (!numbers.has(key)) {
+      nodes.push(x);
+      numbers.set(key, nodes.length);
+    }
+    return numbers.get(key);
+  };
+  const add = (type, group, members) => lines.push(`${lines.length + 1} ${type} 2 ${group} ${group} ${members.join(" ")}`);
+  const [width, thickness, around, rings] = [40, 8, 16, 3];
+  const rim = (i) => {
+    // Points on the edge of a square of half the width, a quarter of each side apart.
+    const [side, part] = [Math.floor((i % around) / 4), ((i % around) % 4) / 4];
+    const [x, y] = [[1, 2 * part - 1], [1 - 2 * part, 1], [-1, 1 - 2 * part], [2 * part - 1, -1]][side];
+    return [(x * width) / 2, (y * width) / 2];
+  };
+  const ring = (centre, i, j) => rim(i).map((v, c, [x, y]) => {
+    const inner = (4.5 * v) / Math.hypot(x, y);
+    return (c === 0 ? centre : 0) + inner + ((v - inner) * j) / rings;
+  });
+  [[1, [80, 200], 0], [2, [-120, 0], -thickness]].forEach(([body, [from, to], bottom]) => {
+    const prism = (corners) => [0, 1].forEach((k) => add(5, body, [k, k + 1].flatMap((layer) => corners.map((x) => node(body, [...x, bottom + (layer * thickness) / 2])))));
+    for (const centre of [20, 60]) {
+      for (let i = 0; i < around; i += 1) {
+        for (let j = 0; j < rings; j += 1) {
+          prism([[i, j], [i, j + 1], [i + 1, j + 1], [i + 1, j]].map(([a, b]) => ring(centre, a, b)));
+        }
+      }
+    }
+    const step = (to - from) / 6;
+    for (let i = 0; i < 6; i += 1) {
+      for (let j = 0; j < 4; j += 1) {
+        prism([[0, 0], [1, 0], [1, 1], [0, 1]].map(([a, b]) => [from + (i + a) * step, 10 * (j + b) - 20]));
+        if (body === 2 && i === 0) {
+          [0, 1].forEach((k) => add(3, 3, [[j, k], [j, k + 1], [j + 1, k + 1], [j + 1, k]].map(([a, b]) => node(body, [from, 10 * a - 20, bottom + (b * thickness) / 2]))));
+        }
+      }
+    }
+  });
+  return gmsh([[3, 1, "upper"], [3, 2, "lower"], [2, 3, "end"]], nodes, lines);
 }
 
 /** Scenes of which amplitudes do not converge. */

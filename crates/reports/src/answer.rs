@@ -46,7 +46,7 @@ pub(crate) fn shown(summary: &Summary) -> Vec<Shown> {
 }
 
 /// The answers as lines of a terminal.
-pub(crate) fn lines(summary: &Summary) -> String {
+pub fn lines(summary: &Summary) -> String {
     let mut out = String::new();
     for answer in &summary.answer {
         // Writing to a string cannot fail.

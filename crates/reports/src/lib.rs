@@ -30,6 +30,7 @@ pub mod registry;
 pub mod ring_down;
 pub mod run;
 pub mod sensitivity;
+pub mod setup;
 pub mod several;
 pub mod shock;
 pub mod styles;
@@ -37,6 +38,7 @@ mod sweep;
 pub mod tightening;
 pub mod uncertainty;
 
+pub use answer::lines as answer_lines;
 pub use error::{Drawing, Error};
 
 /// A file to be written.

@@ -76,6 +76,12 @@ const PHYSICS: [(&str, &str); 5] = [
     ),
 ];
 
+/// What bodies need beside it.
+const DENSITY: (&str, &str) = (
+    "/model/material/density",
+    r#""model": { "material": { "density": "7850 kg/m^3" } }"#,
+);
+
 /// Blocks whose fields a benchmark may fill in one by one.
 const BLOCKS: [&str; 4] = ["model", "material", "bolts", "interfaces"];
 
@@ -105,6 +111,18 @@ impl Scene {
             scene.resolve(folder);
         }
         Ok(scene)
+    }
+
+    /// All that the physics depends on and a scene on a mesh of one's own leaves out: fields with messages, in the order in which [`Scene::from_value`]
+    /// asks for them one by one.
+    pub fn missing(given: &Value) -> Vec<(String, String)> {
+        let mut filled = given.clone();
+        // What is wrong with torques is no lack of a load.
+        drop(imply(given, &mut filled));
+        let is_missing = |path: &&(&str, &str)| filled.pointer(path.0).is_none_or(Value::is_null);
+        let all = PHYSICS.iter().chain([&DENSITY]).filter(is_missing);
+        let refusals = all.map(|(path, line)| (path[1..].replace('/', "."), missing(path, line).message));
+        refusals.collect()
     }
 
     /// Makes relative paths start from a folder.
@@ -156,17 +174,7 @@ impl Scene {
             let known = known.map_err(|message| syntax(Refusal::of("structure.benchmark", message)))?;
             fill(&mut filled, known.defaults());
         }
-        let limit = filled.pointer("/interfaces/law/limit");
-        if limit.is_some_and(|limit| *limit != json!(AsperityLimit::Coulomb))
-            && given.pointer("/interfaces/mu").is_none()
-        {
-            // Friction follows from the strength.
-            filled["interfaces"]["mu"] = json!(0.0);
-        }
-        if is_preloaded(&filled) {
-            fill(&mut filled, json!({ "bolts": { "load": 0.0 } }));
-        }
-        torque::prepare(&given, &mut filled).map_err(syntax)?;
+        imply(&given, &mut filled).map_err(syntax)?;
         require_physics(&filled).map_err(syntax)?;
         let read = |value: Value| {
             let read = || Self::understand(value);
@@ -616,6 +624,19 @@ fn refuse_lists(given: &Value, own: &Value, path: &str) -> Result<(), Refusal> {
         }
         _ => Ok(()),
     }
+}
+
+/// Fills in what other fields of a scene stand for.
+fn imply(given: &Value, filled: &mut Value) -> Result<(), Refusal> {
+    let limit = filled.pointer("/interfaces/law/limit");
+    if limit.is_some_and(|limit| *limit != json!(AsperityLimit::Coulomb)) && given.pointer("/interfaces/mu").is_none() {
+        // Friction follows from the strength.
+        filled["interfaces"]["mu"] = json!(0.0);
+    }
+    if is_preloaded(filled) {
+        fill(filled, json!({ "bolts": { "load": 0.0 } }));
+    }
+    torque::prepare(given, filled)
 }
 
 /// Whether the contact of matrices is preloaded without bolts, which then need no load.

@@ -6,6 +6,7 @@ mod modules;
 use clap::{Parser, Subcommand};
 use commands::{bench, dist, extremes, paper, trade, validate};
 use microslip::Outcome;
+use microslip::progress::Display;
 use std::process::ExitCode;
 use xtask::arguments::Validation;
 use xtask::{brb, defaults};
@@ -29,7 +30,11 @@ enum Task {
 fn main() -> ExitCode {
     let task = Cli::parse().command;
     let success = |()| Outcome::Success;
-    microslip::execute(|| match task {
+    let display = match &task {
+        Task::Brb(arguments) => arguments.display(),
+        _ => Display::default(),
+    };
+    microslip::execute(display, || match task {
         Task::Validation(Validation::Trade(arguments)) => trade::run(&arguments, &defaults()),
         Task::Validation(Validation::Paper(arguments)) => paper::run(&arguments, &defaults()),
         Task::Validation(Validation::Bench(arguments)) => bench::run(&arguments).map(success),

@@ -9,7 +9,7 @@ use joint_model::benchmark::RefinementLevel;
 use joint_model::{Bodies, Sides};
 use joints::Options;
 use joints::interface::InterfaceForce;
-use joints::progress::{Progress, Silent, Stage};
+use joints::progress::{Amplitude, Progress, Silent, Stage};
 use joints::structure::Structure;
 use scenes::{BoltBehaviour, Commit, Force, Gap, LawKind, Length, Mass, PointMass, Scene, Surface, SyntheticScan};
 use std::collections::BTreeMap;
@@ -761,6 +761,28 @@ impl Progress for Impatient {
     }
 }
 
+/// Amplitudes that a run tells.
+#[derive(Default)]
+struct Told(Mutex<Vec<Amplitude>>);
+
+impl Progress for Told {
+    fn amplitude(&self, found: &Amplitude) {
+        self.0.lock().unwrap().push(*found);
+    }
+}
+
+/// What a run has to tell, by its summary.
+fn amplitudes(run: &Run) -> Vec<Amplitude> {
+    let summary = Summary::new(run, Default::default(), None);
+    let amplitude = |b: &analyses::results::summary::BackboneSummary| Amplitude {
+        mode: 1,
+        amplitude_m: b.response_displacement.unwrap(),
+        frequency_hz: b.frequency_hz.unwrap(),
+        damping_ratio: b.damping_ratio,
+    };
+    summary.backbone.iter().map(amplitude).collect()
+}
+
 #[test]
 fn an_interrupted_run_goes_on_to_the_same_bits() {
     let mut scene = quick();
@@ -801,8 +823,12 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
         let path = loops().unwrap();
         let text = std::fs::read(&path).unwrap();
         std::fs::write(&path, &text[..text.len() - 7]).unwrap();
-        let resumed = run(&scene, &options, &Silent).unwrap();
+        let told = Told::default();
+        let resumed = run(&scene, &options, &told).unwrap();
         assert!(numbers(&resumed) == undisturbed, "{stops:?}");
+        let mut told = told.0.into_inner().unwrap();
+        told.sort_by(|a, b| a.amplitude_m.total_cmp(&b.amplitude_m));
+        assert_eq!(told, amplitudes(&resumed), "{stops:?}");
         resumed.checkpoints.remove();
         assert!(loops().is_none());
     }

@@ -103,6 +103,11 @@ impl<T: DeserializeOwned> Checkpoint<T> {
         self.finished.len()
     }
 
+    /// The finished parts.
+    pub fn values(&self) -> impl Iterator<Item = &T> {
+        self.finished.values()
+    }
+
     /// The parts from number 0 on without a gap.
     pub fn leading(&self) -> Vec<T>
     where

@@ -19,6 +19,7 @@ mod overview;
 mod reduce;
 mod reduced;
 mod rigid_motions;
+mod shape;
 mod spectrum;
 mod surface;
 pub mod survey;
@@ -31,6 +32,7 @@ pub use modes::{Assurance, Contact, ModalModel, ModeShape, ModesOfContact};
 pub use overview::{BoltOverview, MaterialOverview, Overview, choice_name};
 pub use reduce::Assembled;
 pub use reduced::{Facts, StructuralModel};
+pub use shape::Shape;
 pub use spectrum::{Description, Frequencies, Spectrum};
 pub use surface::OuterSurface;
 
@@ -80,6 +82,18 @@ impl Structure {
     /// # Errors
     /// Those of the mesher, the deck or the matrices; [`scenes::Error::Symmetry`].
     pub fn try_new(scene: &Scene, progress: &dyn Progress) -> Result<Self, Error> {
+        let mut structure = Self::as_read(scene, progress)?;
+        if let Some(mode) = scene.structure.mesh().and_then(|mesh| mesh.response.mode) {
+            structure.respond_where_a_mode_moves_most(mode, progress)?;
+        }
+        Ok(structure)
+    }
+
+    /// As [`Structure::try_new`], before anything is factored: a response where a mode moves most is not known yet.
+    ///
+    /// # Errors
+    /// As [`Structure::try_new`].
+    pub fn as_read(scene: &Scene, progress: &dyn Progress) -> Result<Self, Error> {
         let model = &scene.model;
         if model.symmetry == Symmetry::Half && scene.structure.benchmark().is_none() {
             return Err(scenes::Error::Symmetry {
@@ -125,9 +139,6 @@ impl Structure {
         };
         let mut structure = Self::from_joint(model, scene.bolts.behaviour, joint);
         structure.settings.attachment_modes |= scene.analyses.tightening.is_some();
-        if let Some(mode) = scene.structure.mesh().and_then(|mesh| mesh.response.mode) {
-            structure.respond_where_a_mode_moves_most(mode, progress)?;
-        }
         Ok(structure)
     }
 

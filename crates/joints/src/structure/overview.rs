@@ -8,6 +8,7 @@ use joint_model::{Bodies, significant};
 use scenes::{Density, MaterialSource, Scene, StructureSource, Surface, Units};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use zte_assembly::InterfaceMesh;
 
 /// A structure and what loads it, as read.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -122,6 +123,24 @@ impl Structure {
             rigid_motions: self.settings.expected_zem,
             fit: self.joint.fit.clone(),
         })
+    }
+
+    /// Area of each part of the interface (m^2), with the name of the part; one without a name where there are no parts.
+    ///
+    /// # Errors
+    /// Of the quadrature of the interface.
+    pub fn areas(&self) -> Result<Vec<(String, f64)>, Error> {
+        let area = |mesh: &InterfaceMesh| Ok::<_, Error>(self.symmetry.operators(mesh, 2)?.area());
+        let joint = &self.joint;
+        match joint.parts.is_empty() {
+            true => Ok(vec![(String::new(), area(&joint.interface)?)]),
+            false => {
+                let parts = joint.parts.iter();
+                parts
+                    .map(|part| Ok((part.name.clone(), area(&part.mesh(&joint.interface))?)))
+                    .collect()
+            }
+        }
     }
 }
 

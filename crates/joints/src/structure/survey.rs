@@ -82,6 +82,8 @@ pub struct Touching {
     pub area: f64,
     /// Mean normal from the first body into the second, of length 1 where the faces are plane.
     pub normal: [f64; 3],
+    /// The faces of both.
+    pub on: Vec<Face>,
 }
 
 /// A round hole.
@@ -133,19 +135,21 @@ impl Survey {
     /// # Errors
     /// Those of the file.
     pub fn of_file(path: &Path) -> Result<Self, Error> {
-        let mut mesh = SolidMesh::read(path)?;
-        let largest = mesh.nodes.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
-        // Round-off of the program that made the mesh would be shown as digits.
-        mesh.nodes.iter_mut().flatten().for_each(|x| *x = rounded(*x, largest));
+        Ok(Self::of(&read(path)?))
+    }
+
+    /// That of a mesh as [`read`] gives it.
+    pub(super) fn of(mesh: &SolidMesh) -> Self {
+        let largest = largest(mesh);
         let of_cell = mesh.bodies();
-        let bodies = bodies(&mesh, &of_cell);
+        let bodies = bodies(mesh, &of_cell);
         let mut notes = mesh.notes.clone();
         let mut sides: Vec<Vec<Face>> = vec![Vec::new(); bodies.len()];
         for (face, cell) in mesh.boundary() {
             sides[of_cell[cell as usize] as usize].push(face);
         }
         let touching = match bodies.len() {
-            0..=MOST_BODIES => touching_bodies(&mesh, &bodies, &sides),
+            0..=MOST_BODIES => touching_bodies(mesh, &bodies, &sides),
             count => {
                 notes.push(format!(
                     "faces that touch are looked for among {MOST_BODIES} bodies at most, and there are {count}"
@@ -163,10 +167,10 @@ impl Survey {
         let mut bolts = bolts(&holes, largest);
         bolts.retain(|bolt| bolt.holes.iter().any(|&hole| has_room(&bodies[holes[hole].body], bolt)));
         for bolt in &mut bolts {
-            bolt.filled_by = filled_by(&mesh, &of_cell, bolt.axis.map(Vector3::from));
+            bolt.filled_by = filled_by(mesh, &of_cell, bolt.axis.map(Vector3::from));
         }
         let groups = [sizes(&mesh.volumes), sizes(&mesh.surfaces), sizes(&mesh.points)];
-        Ok(Self {
+        Self {
             n_nodes: mesh.nodes.len(),
             bodies,
             touching,
@@ -174,8 +178,21 @@ impl Survey {
             bolts,
             groups,
             notes,
-        })
+        }
     }
+}
+
+/// The largest coordinate of a mesh.
+fn largest(mesh: &SolidMesh) -> f64 {
+    mesh.nodes.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()))
+}
+
+/// A mesh, without the round-off of the program that made it, which would be shown as digits.
+pub(super) fn read(path: &Path) -> Result<SolidMesh, Error> {
+    let mut mesh = SolidMesh::read(path)?;
+    let largest = largest(&mesh);
+    mesh.nodes.iter_mut().flatten().for_each(|x| *x = rounded(*x, largest));
+    Ok(mesh)
 }
 
 /// A position to a billionth of the largest one.
@@ -259,6 +276,7 @@ fn touching_bodies(mesh: &SolidMesh, bodies: &[Body], sides: &[Vec<Face>]) -> Ve
                 normal: (sum / f64::max(area, f64::MIN_POSITIVE))
                     .map(|x| rounded(x, 1.0))
                     .into(),
+                on: patches.into_iter().flatten().flatten().collect(),
             };
             // The upper body looks down along the axis that the normal is nearest to.
             if touching.normal[sum.iamax()] > 0.0 {
@@ -289,8 +307,8 @@ fn vector_area(nodes: &[[f64; 3]], face: &Face) -> Vector3<f64> {
     fan.sum::<Vector3<f64>>() * 0.5
 }
 
-/// The round holes of a body.
-fn holes(nodes: &[[f64; 3]], body: usize, faces: &[Face]) -> Vec<Hole> {
+/// Smooth surfaces: faces of bodies, by their numbers, that go over into one another without a sharp edge.
+pub(super) fn smooth(nodes: &[[f64; 3]], faces: &[Face]) -> Vec<Vec<usize>> {
     let areas: Vec<Vector3<f64>> = faces.iter().map(|face| vector_area(nodes, face)).collect();
     let mut sets = DisjointSets::new(faces.len());
     let mut at_edge: HashMap<[u32; 2], usize> = HashMap::new();
@@ -312,8 +330,16 @@ fn holes(nodes: &[[f64; 3]], body: usize, faces: &[Face]) -> Vec<Hole> {
     for number in 0..faces.len() {
         patches.entry(sets.root(number as u32)).or_default().push(number);
     }
-    let found = patches.into_values().filter_map(|patch| {
-        let of_patch: Vec<(&Face, Vector3<f64>)> = patch.iter().map(|&face| (&faces[face], areas[face])).collect();
+    patches.into_values().collect()
+}
+
+/// The round holes of a body.
+fn holes(nodes: &[[f64; 3]], body: usize, faces: &[Face]) -> Vec<Hole> {
+    let found = smooth(nodes, faces).into_iter().filter_map(|patch| {
+        let of_patch: Vec<(&Face, Vector3<f64>)> = patch
+            .iter()
+            .map(|&face| (&faces[face], vector_area(nodes, &faces[face])))
+            .collect();
         hole(nodes, body, &of_patch)
     });
     found.collect()

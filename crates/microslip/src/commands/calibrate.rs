@@ -7,8 +7,7 @@ use super::outcome::Outcome;
 use super::resources::{Cache, Threads};
 use super::scene;
 use crate::files::{self, Overwrite};
-use crate::progress::Monitor;
-use crate::text::print;
+use crate::progress::{Display, Monitor};
 use analyses::calibration;
 use analyses::calibration::{Calibration, Measured, Noise};
 use analyses::comparison::{Backbone, Point};
@@ -56,6 +55,8 @@ pub struct Arguments {
     threads: Threads,
     #[command(flatten)]
     cache: Cache,
+    #[command(flatten)]
+    pub(super) display: Display,
 }
 
 /// Runs the command.
@@ -69,13 +70,14 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<Outcome>
         None => default_directory(&format!("{}-calibrated", scene.name))?,
     };
     let names = ["calibration.json", "residuals.csv", "scene.json"];
-    let folder = (arguments.overwrite).open(&directory, &results_of("calibrate", scene), &names)?;
+    let folder =
+        (arguments.overwrite).open_for(arguments.display, &directory, &results_of("calibrate", scene), &names)?;
     arguments.threads.start()?;
     let noise = Noise {
         frequency_ln: arguments.frequency_sd,
         damping_ln: arguments.damping_sd,
     };
-    let monitor = Monitor::new()?;
+    let monitor = Monitor::new(arguments.display)?;
     let options = arguments.cache.options(defaults);
     let found = calibration::calibrate(scene, &parameters, &measured, noise, &options, &monitor);
     monitor.finish();
@@ -91,12 +93,13 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<Outcome>
     files::publish(folder, &outputs)?;
     found.checkpoints.remove();
     let names: Vec<&str> = outputs.iter().map(|output| output.name.as_str()).collect();
-    print(&format!(
+    let text = format!(
         "{}written to {}: {}\n",
         printed(&found),
         directory.display(),
         names.join(", ")
-    ))?;
+    );
+    arguments.display.conclude(&directory, &found.parameters, &text)?;
     Ok(match found.converged {
         true => Outcome::Success,
         false => Outcome::Incomplete,

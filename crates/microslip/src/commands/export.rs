@@ -5,7 +5,7 @@ use super::destination::default_directory;
 use super::resources::Cache;
 use super::scene::SceneArguments;
 use crate::files::{self, Overwrite};
-use crate::progress::Monitor;
+use crate::progress::{Display, Monitor};
 use crate::text::print;
 use anyhow::{Context, Result, bail};
 use finite_elements::formats::vtu::{self, Encoding};
@@ -89,7 +89,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     }
     let identity = results_of(&format!("export --format {format}"), &scene);
     let folder = arguments.overwrite.open(&directory, &identity, &[])?;
-    let monitor = Monitor::new()?;
+    let monitor = Monitor::new(Display::default())?;
     let structure = Structure::try_new(&scene, &monitor).with_context(|| format!("the scene {}", scene.name))?;
     let reduced = || {
         let joint = &structure.joint;

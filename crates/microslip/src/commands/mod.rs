@@ -15,12 +15,15 @@ pub mod run;
 mod samples;
 mod scene;
 mod schema;
+mod setup;
 mod study;
 mod survey;
 mod upgrade;
 mod verify;
 mod view;
+mod web;
 
+use crate::progress::Display;
 pub use crate::text::print;
 use anyhow::Result;
 pub use defaults::Defaults;
@@ -51,6 +54,8 @@ pub enum Command {
     /// Run hundreds to thousands of variants of a scene by a plan, here or by a batch system, and tabulate them; what is finished is kept.
     #[command(after_help = EXIT_CODES)]
     Study(study::Arguments),
+    /// Set up a joint from a mesh in a browser on this computer, and run it, until Ctrl-C ends it.
+    Setup(setup::Arguments),
     /// Show runs beside each other in a browser on this computer, until Ctrl-C ends it.
     View(view::Arguments),
     /// Check that results are as they were written, and within the bounds of sound results; with `--rerun` compute them again.
@@ -66,6 +71,15 @@ pub enum Command {
 }
 
 impl Command {
+    /// How the command shows what it does.
+    pub fn display(&self) -> Display {
+        match self {
+            Self::Calibrate(arguments) => arguments.display,
+            Self::Study(arguments) => arguments.display,
+            _ => Display::default(),
+        }
+    }
+
     /// Runs the command.
     ///
     /// # Errors
@@ -80,6 +94,7 @@ impl Command {
             Self::Compare(arguments) => compare::run(arguments),
             Self::Calibrate(arguments) => return calibrate::run(arguments, defaults),
             Self::Study(arguments) => return study::run(arguments, defaults),
+            Self::Setup(arguments) => setup::run(arguments),
             Self::View(arguments) => view::run(arguments),
             Self::Verify(arguments) => verify::run(arguments),
             Self::New(arguments) => new::run(arguments),

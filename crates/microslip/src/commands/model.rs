@@ -6,7 +6,7 @@ use super::resources::Cache;
 use super::scene::SceneArguments;
 use super::survey;
 use crate::files::{self, Overwrite};
-use crate::progress::Monitor;
+use crate::progress::{Display, Monitor};
 use crate::text::print;
 use analyses::{Prepared, warnings};
 use anyhow::{Context, Result, bail};
@@ -96,7 +96,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     let folder = arguments
         .overwrite
         .open(&directory, &results_of("model", &scene), &[SUMMARY])?;
-    let monitor = Monitor::new()?;
+    let monitor = Monitor::new(Display::default())?;
     let of_scene = || format!("the scene {}", scene.name);
     let structure = Structure::try_new(&scene, &monitor).with_context(of_scene)?;
     let overview = structure.overview(&scene)?;

@@ -1,8 +1,7 @@
 //! How commands end, and what exit codes say of it.
 
-use crate::text;
+use crate::progress::Display;
 use anyhow::Result;
-use std::io::Write;
 use std::process::ExitCode;
 
 /// What the exit codes mean, for the help texts.
@@ -21,16 +20,15 @@ pub enum Outcome {
     Incomplete,
 }
 
-/// Runs a command and turns its outcome into an exit code; an error is written to standard error in one line.
-pub fn execute(command: impl FnOnce() -> Result<Outcome>) -> ExitCode {
+/// Runs a command and turns its outcome into an exit code; an error is shown by `display`, in one line.
+pub fn execute(display: Display, command: impl FnOnce() -> Result<Outcome>) -> ExitCode {
     // Amplitudes and elements already run in parallel; threads within matrix kernels would only compete with them.
     faer::set_global_parallelism(faer::Par::Seq);
     match command() {
         Ok(Outcome::Success) => ExitCode::SUCCESS,
         Ok(Outcome::Incomplete) => ExitCode::from(3),
         Err(error) => {
-            // A closed standard error leaves nobody to tell.
-            let _ = writeln!(std::io::stderr(), "error: {}", text::of_error(&error));
+            display.error(&error);
             ExitCode::FAILURE
         }
     }

@@ -6,8 +6,7 @@ use super::outcome::Outcome;
 use super::resources::{Cache, Threads};
 use crate::check;
 use crate::files::{self, Overwrite};
-use crate::progress::Monitor;
-use crate::text::print;
+use crate::progress::{Display, Monitor};
 use analyses::error_estimate::ErrorEstimate;
 use analyses::mesh_error::{MeshEstimate, Partner};
 use analyses::registration::Moved;
@@ -42,6 +41,9 @@ pub struct Arguments {
     threads: Threads,
     #[command(flatten)]
     cache: Cache,
+    /// How the command shows what it does.
+    #[command(flatten)]
+    pub display: Display,
     /// Of the analyses that the scene asks for, these alone, by their names in its block `analyses`; `modes` for none but the linearised
     /// modes about the prestress [default folder: results/NAME-FIRST].
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
@@ -132,20 +134,20 @@ pub fn run(given: &GivenScene, arguments: &Arguments, defaults: &Defaults) -> Re
         None => default_directory(&format!("{}{suffix}", scene.name))?,
     };
     // Before the computation: it would be a pity to find out only afterwards.
-    let folder = (arguments.overwrite).open(&directory, &results_of(&command, scene), names)?;
+    let folder = (arguments.overwrite).open_for(arguments.display, &directory, &results_of(&command, scene), names)?;
     arguments.threads.start()?;
     let provenance = provenance::of(given.inputs()?)?;
 
-    let options = arguments.cache.options(defaults);
+    let (options, display) = (arguments.cache.options(defaults), arguments.display);
     if let Some(moves) = moves {
-        let monitor = Monitor::new()?;
+        let monitor = Monitor::new(display)?;
         let study = registration::study(scene, moves, &options, &monitor);
         monitor.finish();
         let (study, checkpoints) =
             study.with_context(|| format!("moving the bottom face of the scene {}", scene.name))?;
         files::publish(folder, &[Output::new(REGISTRATION, csv::registration(&study)?)])?;
         checkpoints.remove();
-        print(&moved(&study, &directory))?;
+        display.conclude(&directory, &study, &moved(&study, &directory))?;
         let complete = study.iter().all(|moved| moved.not_converged == 0);
         return Ok(if complete {
             Outcome::Success
@@ -153,25 +155,19 @@ pub fn run(given: &GivenScene, arguments: &Arguments, defaults: &Defaults) -> Re
             Outcome::Incomplete
         });
     }
-    let (run, mut summary) = request.compute(scene, &options)?;
+    let (run, mut summary) = request.compute(scene, &options, display)?;
     // What was hashed before must be what was read since.
     let here = Path::new(&provenance.working_directory);
     provenance.inputs.iter().try_for_each(|input| input.check(here))?;
     summary.provenance = Some(provenance);
     files::publish(folder, &outputs(&run, &summary)?)?;
     run.checkpoints.remove();
-    conclude(account(&summary, scene, &directory), scene, &summary)
-}
-
-/// Prints what was found, with what is wrong in it, and gives the outcome.
-fn conclude(mut account: String, scene: &Scene, summary: &Summary) -> Result<Outcome> {
-    let defects = check::defects(scene, summary);
+    display.conclude(&directory, &summary.answer, &account(&summary, scene, &directory))?;
+    let defects = check::defects(scene, &summary);
     for defect in &defects {
-        // Writing to a string cannot fail.
-        let _ = writeln!(account, "NOT SOUND, and `verify` will say so: {defect}");
+        display.warn(&format!("NOT SOUND, and `verify` will say so: {defect}"));
     }
-    print(&account)?;
-    Ok(match defects.is_empty() && is_complete(summary) {
+    Ok(match defects.is_empty() && is_complete(&summary) {
         true => Outcome::Success,
         false => Outcome::Incomplete,
     })
@@ -193,9 +189,9 @@ impl Request {
 
     /// The run and its summary, which lacks only where it comes from. The checkpoints of the run are those of all that was
     /// computed.
-    pub(super) fn compute(&self, scene: &Scene, options: &Options) -> Result<(Run, Summary)> {
+    pub(super) fn compute(&self, scene: &Scene, options: &Options, display: Display) -> Result<(Run, Summary)> {
         let began = Instant::now();
-        let monitor = Monitor::new()?;
+        let monitor = Monitor::new(display)?;
         if let Some(preset) = Preset::of(scene) {
             monitor.note(&format!(
                 "settings `{}`: expect {}",
@@ -233,6 +229,7 @@ impl Request {
                     &format!("the settings `{}`", preset.name),
                     &preset.expectation(&finer),
                     options,
+                    display,
                 )?;
                 summary.error_estimate = Some(ErrorEstimate::new(&run, preset, &fine));
                 run.checkpoints.extend(fine.checkpoints);
@@ -244,6 +241,7 @@ impl Request {
                     "the other formulation of the elements",
                     "as long as the first run",
                     options,
+                    display,
                 )?;
                 summary.mesh_estimate = Some(MeshEstimate::new(&run, &partner, &other));
                 run.checkpoints.extend(other.checkpoints);
@@ -261,8 +259,8 @@ impl Request {
 }
 
 /// Runs a variant of a scene that was run before; `time` says how long it is expected to take.
-fn again(scene: &Scene, with: &str, time: &str, options: &Options) -> Result<Run> {
-    let monitor = Monitor::new()?;
+fn again(scene: &Scene, with: &str, time: &str, options: &Options, display: Display) -> Result<Run> {
+    let monitor = Monitor::new(display)?.beside();
     monitor.note(&format!("again, with {with}: expect {time}"));
     let result = analyses::run(scene, options, &monitor);
     monitor.finish();

@@ -35,18 +35,7 @@ impl SceneArguments {
 
     /// What stands in the place of the scene, if it is none: a mesh or an input deck.
     pub fn mesh_file(&self) -> Option<&Path> {
-        // A scene may have any name, and begins with a brace or a comment. What is no file is refused by who reads it.
-        let is_scene = |path: &Path| {
-            if !path.is_file() {
-                return true;
-            }
-            let mut first = [0; 256];
-            let read = std::fs::File::open(path).and_then(|mut file| file.read(&mut first));
-            let first = first[..read.unwrap_or(0)].trim_ascii_start();
-            first.is_empty() || first.starts_with(b"{") || first.starts_with(b"/")
-        };
-        let path = self.scene.as_deref()?;
-        (Format::of(path).is_ok() || !is_scene(path)).then_some(path)
+        self.scene.as_deref().filter(|path| is_mesh(path))
     }
 
     /// The scene, in SI, and the file that it is from.
@@ -86,6 +75,21 @@ impl SceneArguments {
         }
         Ok(given)
     }
+}
+
+/// Whether a file is a mesh or an input deck, and no scene. A scene may have any name, and begins with a brace or a comment. What is no file is refused
+/// by who reads it.
+pub(super) fn is_mesh(path: &Path) -> bool {
+    if Format::of(path).is_ok() {
+        return true;
+    }
+    if !path.is_file() {
+        return false;
+    }
+    let mut first = [0; 256];
+    let read = std::fs::File::open(path).and_then(|mut file| file.read(&mut first));
+    let first = first[..read.unwrap_or(0)].trim_ascii_start();
+    !(first.is_empty() || first.starts_with(b"{") || first.starts_with(b"/"))
 }
 
 /// The scene of a file, or one that comes with a benchmark, or else the first scene of the default benchmark.

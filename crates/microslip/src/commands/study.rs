@@ -6,15 +6,16 @@ use super::resources::{Cache, Threads};
 use super::run::Request;
 use super::scene;
 use crate::files::{Overwrite, publish};
-use crate::progress::Bar;
-use crate::text::print;
+use crate::progress::{Bar, Display};
 use analyses::results::provenance::{Input, InputRole, Provenance};
 use anyhow::{Context, Result, anyhow, bail};
 use file_io::durable::{Identity, MANIFEST};
 use host::{BENCHMARKS, benchmarks, forget_peak_memory, free_memory, peak_memory, provenance, results_of};
 use joints::Options;
 use parameter_studies::slurm::Job;
-use parameter_studies::{Base, BaseScene, CSV, Machine, Memory, PARQUET, Part, Plan, Store, Study, Tally, outputs};
+use parameter_studies::{
+    Base, BaseScene, CSV, Counts, Machine, Memory, PARQUET, Part, Plan, Store, Study, Tally, outputs,
+};
 use rayon::ThreadPoolBuilder;
 use reports::Output;
 use reports::names::SUMMARY;
@@ -82,6 +83,8 @@ pub struct Arguments {
     threads: Threads,
     #[command(flatten)]
     cache: Cache,
+    #[command(flatten)]
+    pub(super) display: Display,
 }
 
 /// What runs the cases.
@@ -110,7 +113,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<Outcome>
     }
     let workers = arguments.workers.filter(|_| engine == Engine::Local);
     arguments.threads.or(workers).start()?;
-    let machine = Here::new(rayon::current_num_threads())?;
+    let machine = Here::new(rayon::current_num_threads(), arguments.display)?;
     let done = work(arguments, defaults, &machine);
     machine.bar.finish();
     done
@@ -129,10 +132,14 @@ fn work(arguments: &Arguments, defaults: &Defaults, machine: &Here) -> Result<Ou
         None => arguments.out.join(CASES),
     };
     let range = study.part(arguments.part);
+    let tell = |counts: &Counts, text: &str| arguments.display.conclude(&arguments.out, counts, text);
     let mut store = study.store(&root, range.clone())?;
     let name = file_name(&arguments.plan);
     if arguments.status {
-        print(&status(&name, &study, &store, range))?;
+        tell(
+            &study.counts(range.clone(), &store),
+            &status(&name, &study, &store, range),
+        )?;
         return Ok(Outcome::Success);
     }
     let todo = study.pending(range.clone(), &store, arguments.retry_failed);
@@ -145,7 +152,11 @@ fn work(arguments: &Arguments, defaults: &Defaults, machine: &Here) -> Result<Ou
         None => {
             let identity = Identity::new("study", format!("{name} of {}", study.scene_name()));
             let names = [CSV, PARQUET, ACCOUNT, "report.html"];
-            Some(arguments.overwrite.open(&arguments.out, &identity, &names)?)
+            Some(
+                arguments
+                    .overwrite
+                    .open_for(arguments.display, &arguments.out, &identity, &names)?,
+            )
         }
     };
     announce(&name, &study, &store, range.clone(), todo.len(), machine)?;
@@ -163,7 +174,7 @@ fn work(arguments: &Arguments, defaults: &Defaults, machine: &Here) -> Result<Ou
     };
     let counts = study.counts(range.clone(), &store);
     let Some(folder) = folder else {
-        print(&status(&name, &study, &store, range))?;
+        tell(&counts, &status(&name, &study, &store, range))?;
         return Ok(Outcome::Success);
     };
     let few = study.found_with_few(range.clone(), &store);
@@ -215,12 +226,13 @@ fn work(arguments: &Arguments, defaults: &Defaults, machine: &Here) -> Result<Ou
         false => 0,
     };
     machine.bar.finish();
-    print(&format!(
+    let text = format!(
         "{}{:.1} s of cases on one thread each; results, with report.html to begin with, in {}\n",
         status(&name, &study, &store, range),
         case_seconds,
         arguments.out.display()
-    ))?;
+    );
+    tell(&counts, &text)?;
     Ok(match counts.failed + counts.partly_converged + incomplete {
         0 => Outcome::Success,
         _ => Outcome::Incomplete,
@@ -250,8 +262,9 @@ fn in_full(
         }
         scene.name = format!("{}-{short}", scene.name);
         let names = [SUMMARY, "report.html", "backbone.csv"];
-        let folder = (arguments.overwrite).open(&directory, &results_of("run", &scene), &names)?;
-        match request.compute(&scene, options) {
+        let folder =
+            (arguments.overwrite).open_for(arguments.display, &directory, &results_of("run", &scene), &names)?;
+        match request.compute(&scene, options, arguments.display) {
             Ok((run, mut summary)) => {
                 summary.provenance = Some(provenance.clone());
                 publish(folder, &reports::run::outputs(&run, &summary)?)?;
@@ -422,18 +435,15 @@ fn job(arguments: &Arguments, options: &Options) -> Result<Job> {
 /// This process: clock, threads, memory and display.
 struct Here {
     bar: Bar,
-    /// Whether lines tell how far it is, as there is no bar.
-    is_plain: bool,
     told: AtomicUsize,
     began: Instant,
     threads: usize,
 }
 
 impl Here {
-    fn new(threads: usize) -> Result<Self> {
+    fn new(threads: usize, display: Display) -> Result<Self> {
         Ok(Self {
-            bar: Bar::new("study")?,
-            is_plain: !std::io::IsTerminal::is_terminal(&std::io::stderr()),
+            bar: Bar::new("study", display)?,
             told: AtomicUsize::new(0),
             began: Instant::now(),
             threads,
@@ -477,7 +487,7 @@ impl Machine for Here {
     fn fraction(&self, done: f64) {
         self.bar.fraction(done);
         let tenths = (10.0 * done) as usize;
-        if self.is_plain && self.told.fetch_max(tenths, Ordering::Relaxed) < tenths {
+        if self.bar.is_plain() && self.told.fetch_max(tenths, Ordering::Relaxed) < tenths {
             let seconds = self.seconds();
             let left = if done > 0.0 { seconds * (1.0 / done - 1.0) } else { 0.0 };
             self.line(&format!(

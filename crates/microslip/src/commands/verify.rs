@@ -2,6 +2,7 @@
 
 use super::run::{ErrorOf, Request};
 use crate::check::{self, Demand};
+use crate::progress::Display;
 use crate::text::print;
 use analyses::results::provenance::{Provenance, arithmetic_fingerprint};
 use analyses::results::summary::Summary;
@@ -137,7 +138,7 @@ fn rerun(directory: &Path) -> Result<()> {
         },
     };
     // Nothing is read that an earlier run has stored.
-    let (run, after) = request.compute(&scene, &Options::default())?;
+    let (run, after) = request.compute(&scene, &Options::default(), Display::default())?;
     let exact = is_same_arithmetic(provenance);
     let mut compared = Comparison {
         exact,

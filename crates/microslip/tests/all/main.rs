@@ -14,11 +14,13 @@ mod instruction_sets;
 mod limits;
 mod messages;
 mod new;
+mod progress;
 mod reference;
 mod report;
 mod results;
 mod scenes;
 mod study;
+mod web;
 
 /// The program that they run.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_microslip");

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 const SHARP: f64 = 0.85;
 
 /// Triangles beyond which only the edges of a surface are drawn.
-const MOST_TRIANGLES: usize = 120_000;
+pub(super) const MOST_TRIANGLES: usize = 120_000;
 
 /// Steps that positions are rounded to, over the longest extent.
 const STEPS: f64 = 32_767.0;
@@ -62,7 +62,7 @@ impl Bodies {
 }
 
 /// Nodes of the triangles around the first corner of a face.
-fn triangles(face: &Face) -> Vec<u32> {
+pub(super) fn triangles(face: &Face) -> Vec<u32> {
     let corners = face.corners();
     let pairs = corners[1..].windows(2);
     pairs.flat_map(|pair| [corners[0], pair[0], pair[1]]).collect()

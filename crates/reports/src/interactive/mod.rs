@@ -6,10 +6,12 @@
 pub(crate) mod bodies;
 mod data;
 mod encode;
+mod setup;
 mod several;
 mod shapes;
 
 pub(crate) use data::Document;
+pub(crate) use setup::Setup;
 pub(crate) use several::Runs;
 pub(crate) use shapes::Shapes;
 
@@ -56,6 +58,19 @@ const RUNS: [&str; 4] = [
 /// What scripts of a page about mode shapes consist of, in this order.
 const SHAPES: [&str; 2] = [include_str!("scene3d.js"), include_str!("shapes.js")];
 
+/// What scripts of the page of a set-up consist of, in this order.
+const SETUP: [&str; 6] = [
+    include_str!("chart.js"),
+    include_str!("scene3d.js"),
+    include_str!("setup-form.js"),
+    include_str!("setup-view.js"),
+    include_str!("setup-run.js"),
+    include_str!("setup.js"),
+];
+
+/// The style of that page.
+const SETUP_STYLE: &str = include_str!("setup.css");
+
 /// What a template puts into a page.
 #[derive(Debug)]
 pub(crate) struct Live {
@@ -97,6 +112,15 @@ impl Live {
     /// [`Error::Summary`] if the data have no JSON.
     pub(crate) fn runs(runs: &Runs) -> Result<Self, Error> {
         Self::new(runs, vec![UPLOT[0].to_owned(), own(&RUNS)], &[UPLOT[1], STYLE])
+    }
+
+    /// What the page of a set-up needs.
+    ///
+    /// # Errors
+    /// [`Error::Summary`] if the data have no JSON.
+    pub(crate) fn setup(setup: &Setup<'_>) -> Result<Self, Error> {
+        let scripts = vec![UPLOT[0].to_owned(), THREE.to_owned(), own(&SETUP)];
+        Self::new(setup, scripts, &[UPLOT[1], STYLE, SETUP_STYLE])
     }
 
     fn new(data: &impl Serialize, scripts: Vec<String>, styles: &[&str]) -> Result<Self, Error> {
@@ -162,6 +186,7 @@ mod tests {
             .iter()
             .chain(&SHAPES)
             .chain(&RUNS)
+            .chain(&SETUP)
             .chain(&UPLOT[..1])
             .chain(&[THREE, COMMON])
         {

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use host::{forget_peak_memory, peak_memory};
 use microslip::commands::{RESULTS, print};
-use microslip::progress::Monitor;
+use microslip::progress::{Display, Monitor};
 use serde_json::json;
 use std::path::Path;
 use validation::bench::{Instruments, periodic, processor, scaling, solver};
@@ -13,20 +13,23 @@ use xtask::arguments;
 pub(crate) fn run(arguments: &arguments::Bench) -> Result<()> {
     let mut figures = json!({ "processor": processor() });
     if arguments.scaling {
-        let found = scaling(Path::new(RESULTS).join(".cache"), &instruments(&Monitor::new()?))?;
+        let found = scaling(
+            Path::new(RESULTS).join(".cache"),
+            &instruments(&Monitor::new(Display::default())?),
+        )?;
         figures["scaling"] = found.figures;
         print(&found.table)?;
         if let Some(path) = &arguments.plot {
             write(path, found.picture)?;
         }
     } else if arguments.periodic {
-        let (found, table) = periodic(&instruments(&Monitor::new()?))?;
+        let (found, table) = periodic(&instruments(&Monitor::new(Display::default())?))?;
         print(&table)?;
         if let (Some(all), serde_json::Value::Object(found)) = (figures.as_object_mut(), found) {
             all.extend(found);
         }
     } else {
-        let (parts, table) = solver(&instruments(&Monitor::new()?))?;
+        let (parts, table) = solver(&instruments(&Monitor::new(Display::default())?))?;
         print(&table)?;
         for (name, part) in parts {
             figures[name] = part;

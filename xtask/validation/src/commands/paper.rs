@@ -4,7 +4,7 @@ use anyhow::Result;
 use file_io::durable::Identity;
 use microslip::commands::print;
 use microslip::files::publish;
-use microslip::progress::Bar;
+use microslip::progress::{self, Bar};
 use microslip::{Defaults, Outcome};
 use std::time::Instant;
 use validation::paper::{Paper, select};
@@ -33,7 +33,7 @@ pub(crate) fn run(arguments: &arguments::Paper, defaults: &Defaults) -> Result<O
     let out = &arguments.out;
     let folder = arguments.overwrite.open(out, &Identity::new("paper", ""), &[REPORT])?;
     let cache = defaults.cache.clone().filter(|_| !arguments.no_cache);
-    let display = Display(Bar::new("scenes")?);
+    let display = Display(Bar::new("scenes", progress::Display::default())?);
     let paper = Paper::compute(&entries, arguments.quick, cache, &display);
     display.0.finish();
     let paper = paper?;

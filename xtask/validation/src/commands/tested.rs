@@ -10,7 +10,7 @@ use joint_model::Benchmark;
 use joints::Options;
 use joints::interface::{interference_at, measured_population};
 use microslip::Defaults;
-use microslip::progress::Monitor;
+use microslip::progress::{Display, Monitor};
 use scenes::Scene;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -70,7 +70,7 @@ fn bands(name: &str, uncertain: &Value, defaults: &Defaults) -> Result<[Value; 2
         build: provenance::commit(),
         ..Options::default()
     };
-    let monitor = Monitor::new()?;
+    let monitor = Monitor::new(Display::default())?;
     let found = run_samples(&scene, SAMPLES, None, &options, &monitor);
     monitor.finish();
     let (_, found) = found.with_context(|| format!("samples of the scene {name}"))?;

@@ -9,7 +9,7 @@ use host::{GivenScene, provenance};
 use joint_model::Benchmark;
 use joints::Options;
 use microslip::commands::print;
-use microslip::progress::Monitor;
+use microslip::progress::{Display, Monitor};
 use microslip::{Defaults, Outcome};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -106,7 +106,7 @@ fn scenes(defaults: &Defaults) -> Result<Value> {
             continue;
         }
         scene = scene.only(&["modes".to_owned()])?;
-        let monitor = Monitor::new()?;
+        let monitor = Monitor::new(Display::default())?;
         let found = run(&scene, &options, &monitor);
         monitor.finish();
         let found = found.with_context(|| format!("running the scene {name}"))?;

@@ -4,13 +4,13 @@ use super::super::destination::write_new;
 use super::super::survey::{about, name, number};
 use crate::text::print;
 use anyhow::{Context, Result, bail};
-use joints::structure::survey::{ProposedBolt, Survey};
+use joints::structure::survey::{ProposedBolt, Survey, Touching};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Component, Path, PathBuf};
 
 /// Units of length that a file may have.
-pub(super) const LENGTHS: [&str; 5] = ["m", "cm", "mm", "in", "ft"];
+pub(in crate::commands) const LENGTHS: [&str; 5] = ["m", "cm", "mm", "in", "ft"];
 
 /// One of each in metres, and the other units of a consistent system.
 const SYSTEMS: [(f64, [&str; 2]); 5] = [
@@ -96,16 +96,11 @@ fn scene(survey: &Survey, path: &Path, length: &str, system: usize) -> Result<St
         }
         let comma = if first { "" } else { "," };
         first = false;
-        let between = touching.bodies.map(|body| name(survey, body));
         let _ = write!(
             text,
             "{comma}\n      // {}\n      {}",
             about(survey, touching),
-            match touching.normal[0].abs() < FACING_X {
-                true => json!({ "name": between.join(" on "), "between": between }),
-                // The first direction lies along x otherwise.
-                false => json!({ "name": between.join(" on "), "between": between, "along": [0, 1, 0] }),
-            }
+            interface(survey, touching)
         );
     }
     text.push_str(match survey.touching.is_empty() {
@@ -169,8 +164,30 @@ fn scene(survey: &Survey, path: &Path, length: &str, system: usize) -> Result<St
     Ok(text)
 }
 
+/// The interface of two bodies that touch.
+pub(in crate::commands) fn interface(survey: &Survey, touching: &Touching) -> Value {
+    let between = touching.bodies.map(|body| name(survey, body));
+    match touching.normal[0].abs() < FACING_X {
+        true => json!({ "name": between.join(" on "), "between": between }),
+        // The first direction lies along x otherwise.
+        false => json!({ "name": between.join(" on "), "between": between, "along": [0, 1, 0] }),
+    }
+}
+
+/// Each unit of length that a file may have, with one of it in metres and the block `units` of a scene with it.
+pub(in crate::commands) fn systems() -> impl Iterator<Item = (&'static str, f64, Value)> {
+    let both = LENGTHS.iter().zip(SYSTEMS);
+    both.map(|(length, (unit, [other, other_unit]))| {
+        (
+            *length,
+            unit,
+            json!({ "length": length, other: other_unit, "time": "s" }),
+        )
+    })
+}
+
 /// The axis of a bolt in the digits that are shown.
-fn axis(bolt: &ProposedBolt) -> Value {
+pub(in crate::commands) fn axis(bolt: &ProposedBolt) -> Value {
     json!(
         bolt.axis
             .map(|point| point.map(|x| number(x).parse::<f64>().unwrap_or(x)))

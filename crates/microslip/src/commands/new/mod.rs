@@ -1,6 +1,6 @@
 //! `new`: a commented scene to start from, or a structure with the script that makes its mesh.
 
-mod from;
+pub(super) mod from;
 
 use super::destination::write_new;
 use crate::text::print;

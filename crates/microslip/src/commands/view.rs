@@ -1,17 +1,13 @@
 //! `view`: runs beside each other in a browser.
 
-mod server;
-
+use super::web::{self, Answer, METHOD_NOT_ALLOWED, Method, NOT_FOUND, Request, Site};
 use crate::files;
 use crate::text::print;
 use analyses::results::summary::Summary;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use reports::names::SUMMARY;
 use reports::several::{self, Entry};
-use server::Site;
-use std::net::{Ipv4Addr, TcpListener};
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
 
 /// Options of `view`.
 #[derive(clap::Args)]
@@ -53,38 +49,42 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let entries: Vec<Entry<'_>> = (names.iter().zip(&pages).zip(&runs))
         .map(|((name, page), summary)| Entry { name, page, summary })
         .collect();
-    let site = Site {
+    let site = Runs {
         index: several::document(&entries)?,
         folders: arguments.results.clone(),
     };
-    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).context("listening on the loopback interface")?;
-    let address = format!(
-        "http://{}/",
-        listener.local_addr().context("listening on the loopback interface")?
-    );
+    let (listener, address) = web::listen(0)?;
     print(&format!("{} runs at {address}; Ctrl-C ends it\n", runs.len()))?;
     if !arguments.no_open {
-        open(&address);
+        web::open(&address);
     }
-    server::serve(&listener, site)
+    web::serve(&listener, site)
 }
 
-/// Asks the system to show an address. Where it cannot, the reader has the address.
-fn open(address: &str) {
-    let (program, arguments) = if cfg!(target_os = "macos") {
-        ("open", vec![address])
-    } else if cfg!(windows) {
-        ("rundll32", vec!["url.dll,FileProtocolHandler", address])
-    } else {
-        ("xdg-open", vec![address])
-    };
-    let mut command = Command::new(program);
-    let command = command
-        .args(arguments)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null());
-    if let Ok(mut child) = command.spawn() {
-        std::thread::spawn(move || child.wait());
+/// What is served.
+struct Runs {
+    /// The page at the root.
+    index: String,
+    /// Folders whose files are at `NUMBER/NAME`, from 1 on.
+    folders: Vec<PathBuf>,
+}
+
+impl Site for Runs {
+    fn refuses(&self, request: &Request) -> Option<&'static str> {
+        (request.method == Method::Post).then_some(METHOD_NOT_ALLOWED)
+    }
+
+    fn answer(&self, request: &Request) -> Answer {
+        if request.path == "/" {
+            return Answer::found("index.html", self.index.clone());
+        }
+        let place = request.path[1..].split_once('/').and_then(|(number, name)| {
+            let index = number.parse::<usize>().ok()?.checked_sub(1)?;
+            Some((self.folders.get(index)?, name))
+        });
+        match place {
+            Some((folder, name)) => web::file(folder, name),
+            None => Answer::refusal(NOT_FOUND),
+        }
     }
 }
