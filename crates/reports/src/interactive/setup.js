@@ -31,9 +31,14 @@ function showSetup(host, { facts, shape: raw }) {
   let pick = null;
   let run = null;
   let model = { refresh: () => {}, select: () => {} };
+  let drawn = "";
   const changed = () => {
     sessionStorage.setItem(location.pathname, form.text());
-    model.refresh();
+    const shown = JSON.stringify([scene.structure, scene.analyses?.forced]);
+    if (shown !== drawn) {
+      drawn = shown;
+      model.refresh();
+    }
     ask();
   };
   const form = makeForm(scene, facts.schema, changed);
