@@ -111,7 +111,7 @@ export function lap() {
       }
     }
   });
-  return gmsh([[3, 1, "upper"], [3, 2, "lower"], [2, 3, "end"]], nodes, lines);
+  return gmsh([[3, 1, "upper"], [3, 2, "lower"], [2, 3, "end <i>"]], nodes, lines);
 }
 
 /** Scenes of which amplitudes do not converge. */

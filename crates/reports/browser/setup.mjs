@@ -129,9 +129,11 @@ async function byMouse(browser) {
       await page.getByRole("button", { name: turn }).click();
     }
     await clickFor(page, /lower: plane, normal \(-1, 0, 0\)/);
-    await page.getByRole("button", { name: "Hold end" }).click();
+    await page.getByRole("button", { name: "Hold end <i>", exact: true }).click();
     await page.screenshot({ path: path.join(folder, "held-1280.png") });
-    await page.getByRole("button", { name: "Do not hold end" }).click();
+    await page.getByRole("button", { name: "Do not hold end <i>" }).click();
+    // Names stay text.
+    assert.equal(await page.locator("main i").count(), 0);
     await page.getByRole("button", { name: "Whole model" }).click();
     await clickFor(page, /lower: plane, normal \(0, -1, 0\)/);
     assert.match(await page.locator(".view .told").innerText(), /No surface of the mesh has its name/);
@@ -255,7 +257,7 @@ async function byKeyboard(browser) {
     assert.deepEqual(unnamed, []);
     await end();
     const scene = read("keyboard/scene.json");
-    assert.deepEqual(scene.structure.mesh.supports, [{ surface: "end" }]);
+    assert.deepEqual(scene.structure.mesh.supports, [{ surface: "end <i>" }]);
     assert.deepEqual(scene.structure.mesh.response.direction, [0, 0, 1]);
     assert.equal(read("keyboard/results/scene/summary.json").backbone.length, 4);
     assert(seconds < GOAL, `${seconds.toFixed(1)} s from the mesh to the backbone`);

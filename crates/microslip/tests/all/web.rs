@@ -535,6 +535,18 @@ fn the_page_of_a_setup_has_the_bodies_with_what_touches() {
     assert_eq!(numbers("face_of_triangle").len(), 2 * bodies.len());
     assert_eq!(numbers("triangles").len(), 6 * bodies.len());
     assert_eq!(shape["named"][0][0], "first end");
+    // Beside a link to a mesh is where the link is.
+    #[cfg(unix)]
+    {
+        std::fs::create_dir(folder.join("links")).unwrap();
+        std::os::unix::fs::symlink("../lap/mesh.msh", folder.join("links/mesh.msh")).unwrap();
+        let server = Server::start(&folder, &["setup", "links/mesh.msh", "--no-open"]);
+        assert_eq!(
+            server.send("save", &json!({ "scene": "{}" })),
+            json!({ "saved": "scene.json" })
+        );
+        assert!(folder.join("links/scene.json").is_file());
+    }
     // What a mesh is not is said.
     for (arguments, said) in [
         (&["setup", "secret", "--no-open"][..], "extension is not that of a mesh"),

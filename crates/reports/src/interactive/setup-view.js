@@ -27,10 +27,10 @@ function readShape({ named, ...shape }) {
   const numbers = (name) => arrayOf(Uint32Array, shape[name]);
   const [triangles, owners, bodies, patches, touching] = ["triangles", "face_of_triangle", "bodies", "patches", "touching"].map(numbers);
   const positions = arrayOf(Float32Array, shape.positions);
-  const at = (node) => Array.from(positions.subarray(3 * node, 3 * node + 3), (v) => Number(v.toPrecision(7)));
+  const raw = (node) => Array.from(positions.subarray(3 * node, 3 * node + 3));
   const surfaces = [];
   owners.forEach((face, i) => {
-    const [a, b, c] = [0, 1, 2].map((k) => at(triangles[3 * i + k]));
+    const [a, b, c] = [0, 1, 2].map((k) => raw(triangles[3 * i + k]));
     const normal = cross(minus(b, a), minus(c, a)).map((v) => v / 2);
     const area = lengthOf(normal);
     const surface = (surfaces[patches[face]] ??= { number: patches[face], body: bodies[face], area: 0, centre: [0, 0, 0], normal: [0, 0, 0], nodes: new Set(), pairs: new Set(), faces: new Set() });
@@ -62,11 +62,23 @@ function readShape({ named, ...shape }) {
     nodeBody[node] = bodies[owners[Math.floor(i / 3)]];
   });
   return {
-    positions, triangles, owners, bodies, patches, touching, at, surfaces, nodeBody,
+    positions, triangles, owners, bodies, patches, touching, surfaces, nodeBody,
+    /** Position of a node in the digits that single precision has. */
+    at: (node) => raw(node).map((v) => Number(v.toPrecision(7))),
     edges: numbers("edges"),
     labels: shape.labels,
     named: named.map(([name, faces]) => ({ name, faces: new Set(arrayOf(Uint32Array, faces)) })),
-    nearest: (nodes, point) => Array.from(nodes).reduce((best, node) => (lengthOf(minus(at(node), point)) < lengthOf(minus(at(best), point)) ? node : best)),
+    /** Of some nodes the nearest to a point. */
+    nearest(nodes, [x, y, z]) {
+      let [best, least] = [-1, Infinity];
+      for (const node of nodes) {
+        const distance = (positions[3 * node] - x) ** 2 + (positions[3 * node + 1] - y) ** 2 + (positions[3 * node + 2] - z) ** 2;
+        if (distance < least) {
+          [best, least] = [node, distance];
+        }
+      }
+      return best;
+    },
   };
 }
 

@@ -31,9 +31,14 @@ function showSetup(host, { facts, shape: raw }) {
   let pick = null;
   let run = null;
   let model = { refresh: () => {}, select: () => {} };
+  let drawn = "";
   const changed = () => {
     sessionStorage.setItem(location.pathname, form.text());
-    model.refresh();
+    const shown = JSON.stringify([scene.structure, scene.analyses?.forced]);
+    if (shown !== drawn) {
+      drawn = shown;
+      model.refresh();
+    }
     ask();
   };
   const form = makeForm(scene, facts.schema, changed);
@@ -314,10 +319,9 @@ function showSetup(host, { facts, shape: raw }) {
     const load = form.at(forced) ?? {};
     const isPoint = (x) => Array.isArray(x) && x.length === 3 && x.every((v) => typeof v === "number");
     const arrow = (node, direction, colour, into) => ({ at: shape.at(node), direction: direction.map((v) => v / lengthOf(direction)), colour, into, body: shape.nodeBody[node] });
-    const all = shape.labels.map((_, node) => node);
     const arrows = [];
     const node = (label) => shape.labels.indexOf(Number(label));
-    const place = isPoint(response.nearest) ? shape.nearest(all, response.nearest) : node(response.node);
+    const place = isPoint(response.nearest) ? shape.nearest(shape.labels.keys(), response.nearest) : node(response.node);
     if (place >= 0 && isPoint(response.direction)) {
       arrows.push(arrow(place, response.direction, RESPONSE, false));
     }

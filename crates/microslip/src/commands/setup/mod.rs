@@ -47,35 +47,27 @@ const MOST_FILES: usize = 500;
 /// Runs the command, which ends with the process.
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let file = &arguments.file;
-    let whole = || {
-        file.canonicalize()
-            .with_context(|| format!("finding {}", file.display()))
+    let whole = |path: &Path| {
+        let found = path.canonicalize();
+        found.with_context(|| format!("{}: finding {}", file.display(), path.display()))
     };
+    let own = file.file_name().unwrap_or_default();
     let (mesh, scene_name, given) = match is_mesh(file) {
-        true => (whole()?, "scene.json".to_owned(), None),
+        true => (own.into(), "scene.json".to_owned(), None),
         false => {
-            let given = scene_of(file, arguments.length.as_deref())?;
-            let whole = whole()?;
-            let mesh = whole.with_file_name("").join(&given.mesh);
-            let mesh = mesh
-                .canonicalize()
-                .with_context(|| format!("{}: finding the mesh {}", file.display(), given.mesh.display()))?;
-            (
-                mesh,
-                utf8(whole.file_name().unwrap_or_default().as_ref())?,
-                Some((whole, given.scene)),
-            )
+            let (scene, mesh) = scene_of(file, arguments.length.as_deref())?;
+            (mesh, utf8(own.as_ref())?, Some(scene))
         }
     };
-    let beside = given.as_ref().map_or(&mesh, |(scene, _)| scene);
-    let folder = beside.with_file_name("");
+    // Where a link to a file is, and not where the file is.
+    let folder = whole(&file.with_file_name("."))?;
+    let (path, mesh) = (utf8(&mesh)?, whole(&folder.join(mesh))?);
     let (survey, shape) = Shape::of_file(&mesh)?;
     let stem = scene_name.trim_end_matches(".json").to_owned();
     let out = match &arguments.out {
         Some(out) => std::path::absolute(out).with_context(|| format!("finding {}", out.display()))?,
         None => folder.join(RESULTS).join(&stem),
     };
-    let path = utf8(mesh.strip_prefix(&folder).unwrap_or(&mesh))?;
     let mut facts = facts(&survey);
     let length = arguments.length.as_deref();
     facts["mesh"] = json!(path);
@@ -83,7 +75,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     facts["scene_file"] = json!(scene_name);
     facts["results"] = json!(out.display().to_string());
     facts["files"] = json!(files_in(&folder));
-    facts["scene"] = given.map_or(Value::Null, |(_, scene)| scene);
+    facts["scene"] = json!(given);
     let page = reports::setup::document(&format!("Set-up of {path}"), &shape, &facts)?;
     let token = host::token().context("asking the system for random numbers")?;
     let place = Place {
@@ -107,15 +99,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     web::serve(&listener, site::Setup::new(token, page, place))
 }
 
-/// A scene to go on with.
-struct Given {
-    scene: Value,
-    /// As the scene names it.
-    mesh: PathBuf,
-}
-
-/// The scene of a file, which need not say all that a run needs.
-fn scene_of(file: &Path, length: Option<&str>) -> Result<Given> {
+/// The scene of a file, which need not say all that a run needs, and its mesh as it names it.
+fn scene_of(file: &Path, length: Option<&str>) -> Result<(Value, PathBuf)> {
     let text = read_text(file, Kind::Scene)?;
     let scene = scenes::parse_json(&text).map_err(|message| anyhow!("{}: {message}", file.display()))?;
     let Some(mesh) = scene.pointer("/structure/mesh/path").and_then(Value::as_str) else {
@@ -137,10 +122,8 @@ fn scene_of(file: &Path, length: Option<&str>) -> Result<Given> {
             file.display()
         );
     }
-    Ok(Given {
-        mesh: PathBuf::from(mesh),
-        scene,
-    })
+    let mesh = PathBuf::from(mesh);
+    Ok((scene, mesh))
 }
 
 fn utf8(path: &Path) -> Result<String> {
