@@ -492,11 +492,16 @@ impl Summary {
         summary
     }
 
-    /// The answers of all modes followed.
-    pub fn answers(&self) -> Vec<Answer> {
+    /// The first mode followed, counted from 1.
+    pub fn first_mode(&self) -> usize {
         let first = self.backbones.first().map(|of| of.mode);
         let followed = self.scene.pointer("/analyses/modes/followed/0");
-        let first = first.or_else(|| followed?.as_u64()?.try_into().ok()).unwrap_or(1);
+        first.or_else(|| followed?.as_u64()?.try_into().ok()).unwrap_or(1)
+    }
+
+    /// The answers of all modes followed.
+    pub fn answers(&self) -> Vec<Answer> {
+        let first = self.first_mode();
         let of_mode = |(mode, summary): (Option<usize>, Cow<'_, Self>)| {
             let mode = mode.unwrap_or(first);
             let bands = self

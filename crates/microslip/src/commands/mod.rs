@@ -11,6 +11,7 @@ mod model;
 mod new;
 mod outcome;
 mod resources;
+mod plot;
 pub mod run;
 mod samples;
 mod scene;
@@ -54,6 +55,8 @@ pub enum Command {
     /// Show runs beside each other in a browser on this computer, until Ctrl-C ends it.
     View(view::Arguments),
     /// Check that results are as they were written, and within the bounds of sound results; with `--rerun` compute them again.
+    /// Draw results for papers, as SVG or PDF: backbones, maps of dissipation, mode shapes, bands, errors against time.
+    Plot(plot::Arguments),
     Verify(verify::Arguments),
     /// Write a commented scene to start from, or with `--benchmark` a bolted structure with the script that makes its mesh.
     New(new::Arguments),
@@ -82,6 +85,7 @@ impl Command {
             Self::Study(arguments) => return study::run(arguments, defaults),
             Self::View(arguments) => view::run(arguments),
             Self::Verify(arguments) => verify::run(arguments),
+            Self::Plot(arguments) => plot::run(arguments),
             Self::New(arguments) => new::run(arguments),
             Self::Samples(arguments) => samples::run(arguments),
             Self::Benchmarks => print(&scene::list()),

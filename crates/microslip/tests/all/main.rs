@@ -15,6 +15,7 @@ mod limits;
 mod messages;
 mod new;
 mod reference;
+mod plot;
 mod report;
 mod results;
 mod scenes;
