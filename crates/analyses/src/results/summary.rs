@@ -17,7 +17,7 @@ use crate::shock::ShockSummary;
 use crate::uncertainty::Uncertainty;
 use crate::validity::Validity;
 use crate::warnings::Warning;
-use crate::{AmplitudeResult, ModeBackbone, Run, Sensitivity, TighteningResult};
+use crate::{AmplitudeResult, Connection, ModeBackbone, Run, Sensitivity, TighteningResult};
 use cqsma_solver::Reason;
 use dense_algebra::SystemMatrix;
 use harmonic_balance::backbone::Point;
@@ -77,6 +77,9 @@ pub struct Summary {
     pub tightening: Option<TighteningResult>,
     /// Modes about it.
     pub modes: Vec<ModeSummary>,
+    /// Parts of the interface by bolt, whose motions and forces the amplitudes have; missing in older summaries.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub connections: Vec<Connection>,
     /// Amplitudes in ascending order.
     pub backbone: Vec<BackboneSummary>,
     /// Backbones of the methods beside CQSMA, by the names that scenes use.
@@ -442,6 +445,7 @@ impl Summary {
                 .iter()
                 .map(|&frequency_hz| ModeSummary { frequency_hz })
                 .collect(),
+            connections: run.connections.clone(),
             backbone: backbone(run.first(), &run.scene, &run.parts),
             methods: methods(run.first(), &run.scene),
             backbones: match run.backbones.as_slice() {
@@ -771,6 +775,7 @@ fn backbone_point(amplitude: &AmplitudeResult, scene: &Scene, parts: &[PartRepor
         response_motion: fields.map(|f| f.response_motion),
         slip_fraction: fields.map(|f| f.slip_fraction),
         open_fraction: fields.map(|f| f.open_fraction),
+        connections: fields.map_or_else(Vec::new, |fields| fields.connections.clone()),
         joints: fields.map_or_else(Vec::new, |fields| {
             let of_joint = |(part, joint): (&PartReport, &JointLoop)| JointSummary {
                 name: part.name.clone(),

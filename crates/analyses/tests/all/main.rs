@@ -8,6 +8,7 @@ mod bolt;
 mod calibration;
 mod deck;
 mod effects;
+mod equivalent;
 mod errors;
 mod excitations;
 mod finish;

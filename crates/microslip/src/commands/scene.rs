@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// The scene that a command works on.
 #[derive(clap::Args)]
 pub struct SceneArguments {
-    /// Scene file; of `model` also a mesh or an input deck.
+    /// Scene file; of `model` also a mesh or an input deck, of `export` also the folder of a run.
     scene: Option<PathBuf>,
     /// A scene that comes with the program: NAME of a benchmark for its first scene, or NAME/SCENE (`microslip benchmarks` lists them).
     #[arg(long, value_name = "NAME", conflicts_with = "scene")]
@@ -28,6 +28,11 @@ pub struct SceneArguments {
 }
 
 impl SceneArguments {
+    /// What stands in the place of the scene.
+    pub fn path(&self) -> Option<&Path> {
+        self.scene.as_deref()
+    }
+
     /// What stands in the place of the scene, if it is none: a mesh or an input deck.
     pub fn mesh_file(&self) -> Option<&Path> {
         // A scene may have any name, and begins with a brace or a comment. What is no file is refused by who reads it.
