@@ -313,10 +313,9 @@ def test_tables_and_pictures(quick_run: microslip.Run, beam_file: Path, tmp_path
         run.plot("speed")
 
 
-def test_pictures_for_papers_have_the_names_of_the_program(beam_file: Path, tmp_path: Path) -> None:
+def test_pictures_for_papers_have_the_names_of_the_program(quick_run: microslip.Run, beam_run: microslip.Run, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
-    scene = microslip.Scene.from_file(beam_file).replace({"analyses.backbone.amplitudes": 3, "output.fields_at": [2]})
-    run = microslip.run(scene, cache=False)
+    run = quick_run
     one, two = microslip.plot(run), microslip.plot([run, run])
     assert [len(figure.axes[0].lines) for figure in (one, two)] == [1, 2]
     assert one.axes[1].get_legend() is None and two.axes[1].get_legend() is not None
@@ -324,7 +323,7 @@ def test_pictures_for_papers_have_the_names_of_the_program(beam_file: Path, tmp_
     assert round(25.4 * one.get_figwidth()) == 85
     flux = microslip.plot(run, kind="flux")
     (cells,) = flux.axes[0].collections
-    total = float(run.interface.weights @ run.fields[0].flux.sum(axis=1))
+    total = float(run.interface.weights @ run.fields[-1].flux.sum(axis=1))
     areas = np.bincount(run.interface.element_of_point, weights=run.interface.weights)
     assert float(areas @ cells.get_array()) == pytest.approx(total, rel=1e-12)
     for number, figure in enumerate((one, two, flux)):
@@ -334,6 +333,8 @@ def test_pictures_for_papers_have_the_names_of_the_program(beam_file: Path, tmp_
             microslip.plot(run, kind=kind)
     with pytest.raises(microslip.InputError, match="a map shows one run"):
         microslip.plot([run, run], kind="flux")
+    with pytest.raises(microslip.InputError, match="points of contact" if beam_run.fields else "output.fields_at"):
+        microslip.plot(beam_run, kind="flux")
     run.save(tmp_path / "run")
     with pytest.raises(microslip.InputError, match="output.fields_at"):
         microslip.plot(microslip.load(tmp_path / "run"), kind="flux")

@@ -5,7 +5,7 @@ use crate::map::{self, COLUMN};
 use crate::markup::escape;
 use crate::modes::{Scenery, WIDTH};
 use crate::overlay::Series;
-use crate::plot::{Band, Curve, Marks, Panel, column};
+use crate::plot::{Band, Curve, Marks, Panel, column, plain, power};
 use crate::styles::COLOURS;
 use crate::{Error, interactive};
 use analyses::comparison::{Backbone, Point};
@@ -15,6 +15,7 @@ use finite_elements::mesh::Face;
 use plotters::prelude::SeriesLabelPosition;
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::ops::Range;
 use zte_assembly::{Element, InterfaceMesh};
 
 /// Width of a column (mm).
@@ -93,7 +94,7 @@ pub fn backbones(series: &[Series<'_>], label: &str) -> Result<String, Error> {
         ),
         (panel("damping ratio [-]", true, curves(damping, true)), bands(damping)),
     ];
-    column(label, panels).map(|svg| sized(&svg))
+    column(label, &power, panels).map(|svg| sized(&svg))
 }
 
 fn points(backbone: &Backbone, value: fn(&Point) -> Option<f64>) -> Vec<(usize, f64, f64)> {
@@ -214,7 +215,7 @@ pub fn bands(runs: &[Spread]) -> Result<String, Error> {
         panel_of("frequency, secant [Hz]", false),
         panel_of("damping ratio [-]", true),
     ];
-    column("displacement amplitude at the response point [m]", panels).map(|svg| sized(&svg))
+    column("displacement amplitude at the response point [m]", &power, panels).map(|svg| sized(&svg))
 }
 
 /// Times and errors of a setting.
@@ -233,24 +234,33 @@ pub struct Cost {
 /// # Errors
 /// [`Error::Picture`].
 pub fn trade(parameters: &[(String, Vec<Cost>)]) -> Result<String, Error> {
-    let curves = |error: fn(&Cost) -> Option<f64>, named: bool| {
+    // Half of the names stand in either diagram, where they leave room for the curves.
+    let half = parameters.len().div_ceil(2);
+    let panel_of = |y_label, error: fn(&Cost) -> Option<f64>, named: Range<usize>| {
         let of = |(index, (name, settings)): (usize, &(String, Vec<Cost>))| Curve {
-            name: if named { name.clone() } else { String::new() },
+            name: if named.contains(&index) {
+                name.clone()
+            } else {
+                String::new()
+            },
             points: (settings.iter().enumerate())
                 .filter_map(|(i, cost)| Some((i, cost.seconds, error(cost)?)))
                 .collect(),
             ..style(index, settings.len())
         };
-        parameters.iter().enumerate().map(of).collect()
+        let mut panel = panel(y_label, true, parameters.iter().enumerate().map(of).collect());
+        panel.legend = SeriesLabelPosition::UpperRight;
+        (panel, Vec::new())
     };
-    let mut above = panel(
-        "error of frequency [-]",
-        true,
-        curves(|cost| Some(cost.frequency), true),
-    );
-    above.legend = SeriesLabelPosition::UpperRight;
-    let below = panel("error of ln(damping) [-]", true, curves(|cost| cost.damping_ln, false));
-    column("time [s]", vec![(above, Vec::new()), (below, Vec::new())]).map(|svg| sized(&svg))
+    let panels = vec![
+        panel_of("error of frequency [-]", |cost| Some(cost.frequency), 0..half),
+        panel_of(
+            "error of ln(damping) [-]",
+            |cost| cost.damping_ln,
+            half..parameters.len(),
+        ),
+    ];
+    column("time [s]", &plain, panels).map(|svg| sized(&svg))
 }
 
 /// A field of the elements of interfaces in the coordinates of the model.

@@ -1,6 +1,6 @@
 //! Pictures of this crate as PDF: one page, lines and areas as they are, texts in Helvetica, which every reader of PDF has.
 //!
-//! What maintained crates need for it (`svg2pdf`: 68 packages and a font on the computer) is more than what the pictures use of SVG: rectangles,
+//! What maintained crates need for it (`svg2pdf`: 71 packages and a font on the computer) is more than what the pictures use of SVG: rectangles,
 //! lines, polygons, circles, paths of straight lines, texts and groups. Anything else is refused.
 
 use crate::Error;

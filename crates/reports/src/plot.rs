@@ -639,18 +639,30 @@ pub struct Panel {
 /// [`Error::Picture`].
 pub fn stack(x_label: &str, x_log: bool, panels: Vec<Panel>) -> Result<String, Error> {
     let panels = panels.into_iter().map(|panel| (panel, Vec::new())).collect();
-    stack_with(&SCREEN, x_label, x_log, panels)
+    let x_text: &dyn Fn(&f64) -> String = if x_log { &power } else { &plain };
+    stack_with(&SCREEN, x_label, x_log, x_text, panels)
 }
 
-/// Diagrams of curves and bands above one another, over a logarithmic abscissa, for a column of a paper: 85 mm wide, texts of 8 pt.
+/// Diagrams of curves and bands above one another, over a logarithmic abscissa with these numbers, for a column of a paper: 85 mm wide, texts of
+/// 8 pt.
 ///
 /// # Errors
 /// [`Error::Picture`].
-pub(crate) fn column(x_label: &str, panels: Vec<(Panel, Vec<Band>)>) -> Result<String, Error> {
-    stack_with(&COLUMN, x_label, true, panels)
+pub(crate) fn column(
+    x_label: &str,
+    x_text: &dyn Fn(&f64) -> String,
+    panels: Vec<(Panel, Vec<Band>)>,
+) -> Result<String, Error> {
+    stack_with(&COLUMN, x_label, true, x_text, panels)
 }
 
-fn stack_with(look: &Look, x_label: &str, x_log: bool, panels: Vec<(Panel, Vec<Band>)>) -> Result<String, Error> {
+fn stack_with(
+    look: &Look,
+    x_label: &str,
+    x_log: bool,
+    x_text: &dyn Fn(&f64) -> String,
+    panels: Vec<(Panel, Vec<Band>)>,
+) -> Result<String, Error> {
     let size = (look.size[0], look.size[1] * panels.len() as u32 + 20);
     picture("diagrams", size, |root| {
         let of_bands = panels.iter().flat_map(|panel| &panel.1).flat_map(|band| &band.points);
@@ -671,7 +683,6 @@ fn stack_with(look: &Look, x_label: &str, x_log: bool, panels: Vec<(Panel, Vec<B
                     .retain(|(_, x, y)| drawable(*x, *y) && (!diagram.log || *y > 0.0));
             }
             let range = bounds(heights(&diagram.curves, &bands)).unwrap_or(1.0..10.0);
-            let x_text: &dyn Fn(&f64) -> String = if x_log { &power } else { &plain };
             let (curves, legend, name) = (&diagram.curves, diagram.legend, diagram.y_label);
             let y = if diagram.log {
                 widen(&range, 1.5)

@@ -105,14 +105,14 @@ def plot(runs: Run | Sequence[Run], kind: str = "backbone") -> Figure:
         raise InputError(f"there is no kind {kind!r} of picture here; {remedy}", field="kind", value=kind, remedy=remedy)
     all_runs = [runs] if isinstance(runs, Run) else list(runs)
     if not all_runs:
-        raise InputError("there is no run to draw; give one at least", field="runs", value=runs, remedy="give one at least")
-    if kind == "flux":
-        return _flux(all_runs)
+        raise InputError("there is no run to draw; give one at least", field="runs", value=0, remedy="give one at least")
     from microslip._figure import picture
 
     from matplotlib import rc_context  # isort: skip
 
     with rc_context({"font.size": 8.0}):
+        if kind == "flux":
+            return _flux(all_runs)
         figure = picture(85.0 / 25.4, 90.0 / 25.4)
         above, below = figure.subplots(2, 1, sharex=True)
         for number, run in enumerate(all_runs):
@@ -164,6 +164,9 @@ def _flux(runs: list[Run]) -> Figure:
         remedy = "name the amplitude in output.fields_at of the scene, and take the run itself, not what was loaded"
         raise InputError(f"the run has no fields of any amplitude; {remedy}", field="runs", value=run.scene.name, remedy=remedy)
     mesh, flux = run.interface, run.fields[-1].flux.sum(axis=1)
+    if mesh.elements.shape[1] < 3:
+        remedy = "there is nothing to map; take kind='backbone'"
+        raise InputError(f"the interface is of points of contact, which have no area; {remedy}", field="kind", value="flux", remedy=remedy)
     count = len(mesh.elements)
     areas = np.bincount(mesh.element_of_point, weights=mesh.weights, minlength=count)
     values = np.bincount(mesh.element_of_point, weights=mesh.weights * flux, minlength=count) / areas
