@@ -30,6 +30,26 @@ pub struct JointLoop {
     pub dissipation: f64,
 }
 
+/// What a connection did over the loop of an amplitude. With the mean tangential motion `s` of the top body against the bottom one over the area, and
+/// the tangential force `F` between them along the direction in which `s` varies most.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ConnectionLoop {
+    /// The direction, in the coordinates of the model.
+    pub direction: [f64; 3],
+    /// Half the range of `s` (m).
+    pub displacement: f64,
+    /// Half the range of `F` (N).
+    pub force: f64,
+    /// Closed integral of `F` over `s` (J).
+    pub loop_area: f64,
+    /// Dissipation per cycle over the area (J), of which the loop area is the part that moves in common.
+    pub dissipation: f64,
+    /// Magnitude of `s` at the positive peak, from the static state, over the root mean square of the tangential motion: one where all points
+    /// move alike, less where they turn or stretch.
+    pub coherence: f64,
+}
+
 /// What the loop of one amplitude did at the interface.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LoopFields {
@@ -40,6 +60,8 @@ pub struct LoopFields {
     /// The same of each interface, where there are several.
     #[serde(default)]
     pub joints: Vec<JointLoop>,
+    /// What each connection did, in the order of the run's.
+    pub connections: Vec<ConnectionLoop>,
     /// Dissipation per cycle from the points' loops (J) (eq. 43).
     pub dissipation: f64,
     /// Largest tangential motion from the prestress over the loop (m).

@@ -1,6 +1,7 @@
 //! The backbone of one mode: hysteresis loops over amplitudes, and the methods beside CQSMA.
 
 use super::amplitude::{AmplitudeResult, LoopFields};
+use super::connections::Connection;
 use super::error_bar::ErrorBar;
 use super::linearised::Linearised;
 use super::methods;
@@ -38,7 +39,7 @@ const FREE_OF_INERTIA: f64 = 1e-9;
 const EPMC_AMPLITUDES: usize = 20;
 
 /// Changes whenever [`LoopFields`] holds something else, so that lines of another layout are not taken for finished amplitudes.
-const LAYOUT: u64 = 5;
+const LAYOUT: u64 = 6;
 
 /// What came of an amplitude.
 type Loop = (BackbonePoint, Option<LoopFields>);
@@ -61,6 +62,8 @@ pub(super) struct Request<'a> {
     pub(super) newton: NewtonSettings,
     /// Elements whose loops are stored, ascending.
     pub(super) recorded: &'a [usize],
+    /// Connections whose motions and forces are found.
+    pub(super) connections: &'a [Connection],
     /// What derivatives start from, if the scene asks for any.
     pub(super) sensitivities: Option<&'a Sensitivities<'a>>,
     /// Modal forces (sqrt(kg) m/s^2) that stand for those by the amplitudes of the scene.
@@ -321,6 +324,7 @@ impl<'a> Request<'a> {
                 self.about.response,
                 index,
                 stored,
+                self.connections,
                 self.walks,
                 &finish,
             )

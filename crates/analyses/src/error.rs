@@ -58,6 +58,12 @@ pub enum Error {
         /// What is wrong, and what would be right.
         reason: String,
     },
+    /// Levels that no element can be fitted to.
+    #[error("equivalent element: {reason}")]
+    Equivalent {
+        /// What is wrong, and what would be right.
+        reason: String,
+    },
     /// A shock that cannot be followed.
     #[error("analyses.shock: {reason}")]
     Shock {

@@ -186,6 +186,7 @@ impl CaseStructure {
             mass: solver.model.facts.mass,
             mode: mode - 1,
             newton: newton_settings(case),
+            connections: &[],
             recorded: &[],
             sensitivities: None,
             forces: None,

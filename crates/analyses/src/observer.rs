@@ -1,6 +1,7 @@
 //! Watches hysteresis loops at the quadrature points.
 
 use super::amplitude::{Fields, JointLoop, LoopFields};
+use super::connections::{Connection, Walked};
 use super::element_loops::ElementLoops;
 use super::walks::Walks;
 use contact_laws::Regime;
@@ -63,6 +64,8 @@ pub(super) struct Watcher<'a> {
     /// Elements whose loops are stored, ascending.
     recorded: &'a [usize],
     finish: &'a Finish<'a>,
+    connections: &'a [Connection],
+    walked: Walked<'a>,
     /// What the loop is walked with once more, and its jumps; none where errors are not estimated.
     walks: Option<&'a Walks<'a>>,
     path: Vec<Vec<f64>>,
@@ -90,6 +93,7 @@ impl<'a> Watcher<'a> {
         response: &'a [f64],
         index: usize,
         stored: Stored<'a>,
+        connections: &'a [Connection],
         walks: Option<&'a Walks<'a>>,
         finish: &'a Finish<'a>,
     ) -> Self {
@@ -101,6 +105,8 @@ impl<'a> Watcher<'a> {
             store: stored.elements.is_some(),
             recorded: stored.elements.unwrap_or(&[]),
             finish,
+            connections,
+            walked: Walked::new(connections),
             walks,
             path: Vec::new(),
             area: LoopArea::new(interface.operators().n_points()),
@@ -129,10 +135,12 @@ impl<'a> Watcher<'a> {
             let of_point = |p: usize| weights[p] * flux.iter().map(|f| f[p]).sum::<f64>();
             joint.dissipation = points.map(of_point).sum();
         }
+        let connections = self.walked.close(weights, &flux);
         LoopFields {
             slip_fraction: self.slip_fraction,
             open_fraction: self.open_fraction,
             joints,
+            connections,
             dissipation,
             largest_sliding: self.largest_sliding,
             response_motion: self.motion.half_range(),
@@ -157,6 +165,7 @@ impl LoopObserver<Workspace> for Watcher<'_> {
         (self.peak, self.largest_sliding) = (f64::NEG_INFINITY, 0.0);
         self.motion.begin();
         self.path.clear();
+        self.walked = Walked::new(self.connections);
         self.loops = (!self.recorded.is_empty()).then(|| ElementLoops::new(self.recorded));
     }
 
@@ -171,6 +180,8 @@ impl LoopObserver<Workspace> for Watcher<'_> {
             loops.add(self.interface.operators(), modal_force, workspace);
         }
         self.motion.vertex(modal_force, displacement, workspace);
+        let weights = &self.interface.operators().weights;
+        self.walked.vertex(weights, workspace);
         if self.walks.is_some() {
             self.path.push(displacement[..self.interface.n_dofs()].to_vec());
         }
@@ -182,6 +193,7 @@ impl LoopObserver<Workspace> for Watcher<'_> {
         if modal_force >= self.peak {
             self.peak = modal_force;
             let operators = self.interface.operators();
+            self.walked.peak(weights, workspace, self.prestress);
             let fraction = |regime: Regime, points: Range<usize>, area: f64| {
                 let found = workspace.regime[points.clone()]
                     .iter()

@@ -1,6 +1,7 @@
 //! A scene before its first nonlinear solve: the structure reduced, the interface with its laws.
 
 use super::backbone::uniform;
+use super::connections::Connection;
 use super::deformed::Deformed;
 use super::element_loops;
 use super::error_bar::ErrorBar;
@@ -34,6 +35,8 @@ pub struct Prepared {
     faces: (InterfaceMesh, Vec<InterfacePart>),
     pub(super) derivatives: Derivatives,
     pub(super) loop_elements: Vec<usize>,
+    /// The parts of the interface by bolt.
+    pub(super) connections: Vec<Connection>,
     /// The structure, if its bodies are to be shown deformed, its mesh's error is to be estimated, or if there are such derivatives.
     pub(super) structure: Option<Structure>,
 }
@@ -126,6 +129,7 @@ impl Prepared {
         let interface = Solver::of(&model, options).settled(scene, interface, progress)?;
         end_stage(progress, Stage::Characterise)?;
         let (neighbours, differenced) = Neighbours::of(scene, structure, &model, &interface, progress)?;
+        let connections = Connection::all(&structure.joint, interface.interface.operators());
         Ok(Self {
             scene: scene.clone(),
             options: options.clone(),
@@ -134,6 +138,7 @@ impl Prepared {
             interface,
             faces: (structure.interface().clone(), structure.joint.parts.clone()),
             loop_elements: loop_elements(scene, structure)?,
+            connections,
             structure: (scene.output.deformed || !differenced.is_empty() || ErrorBar::is_estimated(scene))
                 .then(|| structure.clone()),
             derivatives: Derivatives {
@@ -237,6 +242,7 @@ impl Prepared {
     pub(super) fn solver(&self) -> Solver<'_> {
         Solver {
             loop_elements: &self.loop_elements,
+            connections: &self.connections,
             neighbours: &self.derivatives.neighbours,
             ..Solver::of(&self.model, &self.options)
         }

@@ -97,6 +97,7 @@ impl Prepared {
             neighbours: &[],
             options: &uncached,
             loop_elements: &[],
+            connections: &[],
             ..self.solver()
         };
         let (interface, closure) = (&self.interface.interface, self.interface.closure);

@@ -2,6 +2,7 @@
 
 use super::adaptation::Adaptation;
 use super::amplitude::AmplitudeResult;
+use super::connections::Connection;
 use super::deformed::Deformed;
 use super::error_bar::ErrorBar;
 use super::joint_info::JointInfo;
@@ -51,6 +52,8 @@ pub struct Run {
     pub adaptation: Option<Adaptation>,
     /// Interface elements at the places of `analyses.backbone.loops_at`, in their order, each once.
     pub loop_elements: Vec<usize>,
+    /// The parts of the interface by bolt.
+    pub connections: Vec<Connection>,
     /// What is implausible in the scene or in the results.
     pub warnings: Vec<Warning>,
     /// Files in the cache that let the run resume. Whoever has put the results in a safe place, or does not want to keep them,

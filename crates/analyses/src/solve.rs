@@ -225,6 +225,7 @@ impl Prepared {
             deformed: bodies.deformed,
             estimated_error: bodies.estimated_error,
             loop_elements: self.loop_elements,
+            connections: self.connections,
             adaptation: None,
             scene: self.scene,
             checkpoints,

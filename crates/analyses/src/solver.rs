@@ -1,6 +1,7 @@
 //! Prestress, modes and backbones of an interface on a reduced structure.
 
 use super::backbone::{self, uniform};
+use super::connections::Connection;
 use super::element_loops;
 use super::linearised::Linearised;
 use super::outcome::{Analysis, Vibration};
@@ -29,6 +30,8 @@ pub(super) struct Solver<'a> {
     pub(super) options: &'a Options,
     /// Elements at `analyses.backbone.loops_at`.
     pub(super) loop_elements: &'a [usize],
+    /// Connections whose motions and forces are found.
+    pub(super) connections: &'a [Connection],
     /// What backbones are differentiated with respect to: what the scene's `sensitivities` name.
     pub(super) neighbours: &'a [Neighbours],
     /// Interfaces with another number of a setting, if errors of loops are to be estimated.
@@ -42,6 +45,7 @@ impl<'a> Solver<'a> {
             model,
             options,
             loop_elements: &[],
+            connections: &[],
             neighbours: &[],
             beside: None,
         }
@@ -218,6 +222,7 @@ impl Solver<'_> {
                 mode: mode - 1,
                 newton,
                 recorded: &recorded,
+                connections: self.connections,
                 sensitivities: sensitivities.as_ref(),
                 forces: forces.and_then(|forces| forces.get(place)),
                 walks: walks.as_ref(),

@@ -313,6 +313,33 @@ def test_tables_and_pictures(quick_run: microslip.Run, beam_file: Path, tmp_path
         run.plot("speed")
 
 
+def test_pictures_for_papers_have_the_names_of_the_program(quick_run: microslip.Run, beam_run: microslip.Run, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    run = quick_run
+    one, two = microslip.plot(run), microslip.plot([run, run])
+    assert [len(figure.axes[0].lines) for figure in (one, two)] == [1, 2]
+    assert one.axes[1].get_legend() is None and two.axes[1].get_legend() is not None
+    assert one.axes[0].lines[0].get_ydata().tolist() == run.backbone.frequency_first_harmonic_hz.tolist()
+    assert round(25.4 * one.get_figwidth()) == 85
+    flux = microslip.plot(run, kind="flux")
+    (cells,) = flux.axes[0].collections
+    total = float(run.interface.weights @ run.fields[-1].flux.sum(axis=1))
+    areas = np.bincount(run.interface.element_of_point, weights=run.interface.weights)
+    assert float(areas @ cells.get_array()) == pytest.approx(total, rel=1e-12)
+    for number, figure in enumerate((one, two, flux)):
+        figure.savefig(tmp_path / f"{number}.pdf")
+    for kind, match in (("bands", "no bands"), ("modes", "microslip plot DIR --kind modes")):
+        with pytest.raises(microslip.InputError, match=match):
+            microslip.plot(run, kind=kind)
+    with pytest.raises(microslip.InputError, match="a map shows one run"):
+        microslip.plot([run, run], kind="flux")
+    with pytest.raises(microslip.InputError, match="points of contact" if beam_run.fields else "output.fields_at"):
+        microslip.plot(beam_run, kind="flux")
+    run.save(tmp_path / "run")
+    with pytest.raises(microslip.InputError, match="output.fields_at"):
+        microslip.plot(microslip.load(tmp_path / "run"), kind="flux")
+
+
 def test_what_is_missing_is_asked_for(beam_run: microslip.Run, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("pandas", "matplotlib", "matplotlib.figure"):
         monkeypatch.setitem(sys.modules, name, None)

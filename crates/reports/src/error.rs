@@ -17,6 +17,20 @@ pub enum Error {
         /// Why it failed.
         source: Drawing,
     },
+    /// A picture could not be written as PDF.
+    #[error("a PDF cannot show {what}")]
+    Pdf {
+        /// What it cannot show, and the remedy if there is one.
+        what: String,
+    },
+    /// An interface covers itself seen along its mean normal.
+    #[error(
+        "the interface of {name} is so curved that it covers itself in a map; show its fields in ParaView (interface-*.vtu)"
+    )]
+    Folded {
+        /// The run.
+        name: String,
+    },
     /// Fields of the interface could not be written as a VTK file.
     #[error("encoding the fields of the interface")]
     Fields(#[source] finite_elements::Error),

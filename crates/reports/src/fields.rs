@@ -197,15 +197,7 @@ pub fn pressure(run: &Run, fields: &Fields) -> Vec<f64> {
 /// Positions of the quadrature points in the coordinates of the model (m), where those of the nodes are known.
 pub fn point_positions(run: &Run) -> Option<Vec<[f64; 3]>> {
     let nodes = run.joint.positions.as_ref()?;
-    let rows = run.interface.operators().interpolation.outer_iterator();
-    let positions = rows.map(|row| {
-        let mut at = [0.0; 3];
-        for (node, value) in row.iter() {
-            at.iter_mut().zip(nodes[node]).for_each(|(at, x)| *at += value * x);
-        }
-        at
-    });
-    Some(positions.collect())
+    Some(analyses::point_positions(run.interface.operators(), nodes))
 }
 
 /// All fields that are stored. Tractions are those that the top body exerts on the bottom one, jumps the motion of the top body less that

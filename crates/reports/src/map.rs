@@ -3,6 +3,7 @@
 use crate::fields::Placed;
 use crate::markup::escape;
 use crate::styles::hex;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use zte_assembly::InterfaceMesh;
 
@@ -20,6 +21,8 @@ const VIRIDIS: [[f64; 3]; 9] = [
 ];
 
 const WIDTH: f64 = 800.0;
+/// For a column of a paper of 85 mm, where the texts of 14 then have 8 pt.
+pub(crate) const COLUMN: f64 = 421.65;
 const MARGIN: f64 = 10.0;
 /// Room for the labels of the upright axis.
 const LEFT: f64 = 64.0;
@@ -28,9 +31,8 @@ const BELOW: f64 = 46.0;
 /// Length of the marks on the axes.
 const MARK: f64 = 5.0;
 const BAR_HEIGHT: f64 = 14.0;
-/// Steps of colour of the bar, and numbers under it.
+/// Steps of colour of the bar.
 const BAR_STEPS: u32 = 64;
-const BAR_NUMBERS: u32 = 4;
 
 /// Colour for `t` from 0 to 1.
 pub fn rgb(t: f64) -> [u8; 3] {
@@ -71,28 +73,49 @@ fn round_numbers(from: f64, to: f64, n: f64) -> Vec<(f64, String)> {
 /// The interface with its first direction to the right and its second upwards, one colour per element; with axes in mm and a colour bar
 /// from the smallest to the largest value. Axes parallel to those of the model have their names and coordinates.
 pub fn svg(place: Placed<'_>, values: &[f64], quantity: &str, unit: &str) -> String {
+    let label = format!("{quantity} [{unit}]");
+    let (body, height) = drawing(place, values, &label, bounds_of(values), WIDTH);
+    document(&body, [WIDTH, height], &label)
+}
+
+/// Smallest and largest of the values.
+pub(crate) fn bounds_of(values: &[f64]) -> [f64; 2] {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    [low, high]
+}
+
+/// What is drawn, as a document that says what it is.
+pub(crate) fn document(body: &str, [width, height]: [f64; 2], label: &str) -> String {
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height:.1}\" role=\"img\" \
+         aria-label=\"{}\" font-family=\"sans-serif\" font-size=\"14\">\n{body}</svg>\n",
+        escape(label)
+    )
+}
+
+/// The map without the document around it, and its height; colours run over the range.
+pub(crate) fn drawing(
+    place: Placed<'_>,
+    values: &[f64],
+    label: &str,
+    [low, high]: [f64; 2],
+    width: f64,
+) -> (String, f64) {
     let mesh = place.mesh;
     let nodes = &mesh.nodes;
     let bound = |axis: usize, pick: fn(f64, f64) -> f64, from: f64| nodes.iter().map(|x| x[axis]).fold(from, pick);
     let (left, right) = (bound(0, f64::min, f64::INFINITY), bound(0, f64::max, f64::NEG_INFINITY));
     let (bottom, top) = (bound(1, f64::min, f64::INFINITY), bound(1, f64::max, f64::NEG_INFINITY));
-    let scale = (WIDTH - LEFT - MARGIN) / (right - left);
+    let scale = (width - LEFT - MARGIN) / (right - left);
     let floor = MARGIN + scale * (top - bottom);
     let (across, down) = (|x: f64| LEFT + scale * (x - left), |y: f64| MARGIN + scale * (top - y));
     let bar_top = floor + BELOW + 12.0;
     let height = bar_top + BAR_HEIGHT + 42.0;
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let range = if high > low { high - low } else { 1.0 };
 
     let mut out = String::new();
-    let label = escape(&format!("{quantity} [{unit}]"));
-    // Writing to a string cannot fail.
-    let _ = writeln!(
-        out,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.1}\" role=\"img\" \
-         aria-label=\"{label}\" font-family=\"sans-serif\" font-size=\"14\">"
-    );
+    let label = escape(label);
     for (element, &value) in mesh.elements.iter().zip(values) {
         let corners: Vec<String> = element
             .outline()
@@ -102,16 +125,27 @@ pub fn svg(place: Placed<'_>, values: &[f64], quantity: &str, unit: &str) -> Str
             .collect();
         // The stroke closes the hairline gaps that antialiasing leaves between neighbours.
         let fill = colour((value - low) / range);
+        // Writing to a string cannot fail.
         let _ = writeln!(
             out,
             "<polygon points=\"{}\" fill=\"{fill}\" stroke=\"{fill}\" stroke-width=\"1\"/>",
             corners.join(" ")
         );
     }
+    let mut edge = String::new();
+    for [a, b] in outer_edges(mesh) {
+        let [[x, y], [to_x, to_y]] = [a, b].map(|n| nodes[n as usize]);
+        let (x, y, to_x, to_y) = (across(x), down(y), across(to_x), down(to_y));
+        let _ = write!(edge, "M{x:.2} {y:.2}L{to_x:.2} {to_y:.2}");
+    }
+    let _ = writeln!(
+        out,
+        "<path d=\"{edge}\" fill=\"none\" stroke=\"#000\" stroke-width=\".8\"/>"
+    );
     let [(across_factor, across_name), (up_factor, up_name)] = place.axes();
-    let mut axes = format!("M{LEFT} {MARGIN}V{floor:.1}H{:.1}", WIDTH - MARGIN);
+    let mut axes = format!("M{LEFT} {MARGIN}V{floor:.1}H{:.1}", width - MARGIN);
     let mut texts = String::new();
-    for (value, text) in round_numbers(across_factor * left, across_factor * right, 8.0) {
+    for (value, text) in round_numbers(across_factor * left, across_factor * right, width / 100.0) {
         let x = across(value / across_factor);
         let _ = write!(axes, "M{x:.1} {floor:.1}v{MARK}");
         let _ = writeln!(
@@ -121,7 +155,7 @@ pub fn svg(place: Placed<'_>, values: &[f64], quantity: &str, unit: &str) -> Str
         );
     }
     // As far apart as those of the other axis, but several at least.
-    let upright = (8.0 * (top - bottom) / (right - left)).max(4.0);
+    let upright = (width / 100.0 * (top - bottom) / (right - left)).max(4.0);
     for (value, text) in round_numbers(up_factor * bottom, up_factor * top, upright) {
         let y = down(value / up_factor);
         let _ = write!(axes, "M{LEFT} {y:.1}h-{MARK}");
@@ -138,12 +172,12 @@ pub fn svg(place: Placed<'_>, values: &[f64], quantity: &str, unit: &str) -> Str
         "<path d=\"{axes}\" fill=\"none\" stroke=\"#444\"/>\n{texts}\
          <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\n\
          <text x=\"16\" y=\"{middle:.1}\" text-anchor=\"middle\" transform=\"rotate(-90 16 {middle:.1})\">{}</text>",
-        0.5 * (LEFT + WIDTH - MARGIN),
+        0.5 * (LEFT + width - MARGIN),
         floor + 40.0,
         escape(&across_name),
         escape(&up_name)
     );
-    let bar_width = WIDTH - LEFT - MARGIN;
+    let bar_width = width - LEFT - MARGIN;
     for step in 0..BAR_STEPS {
         let part = f64::from(step) / f64::from(BAR_STEPS);
         let _ = writeln!(
@@ -155,11 +189,12 @@ pub fn svg(place: Placed<'_>, values: &[f64], quantity: &str, unit: &str) -> Str
         );
     }
     let baseline = bar_top + BAR_HEIGHT + 18.0;
-    for number in 0..=BAR_NUMBERS {
-        let part = f64::from(number) / f64::from(BAR_NUMBERS);
+    let numbers = if width < WIDTH { 2 } else { 4 };
+    for number in 0..=numbers {
+        let part = f64::from(number) / f64::from(numbers);
         let anchor = match number {
             0 => "start",
-            BAR_NUMBERS => "end",
+            last if last == numbers => "end",
             _ => "middle",
         };
         let _ = writeln!(
@@ -175,8 +210,20 @@ pub fn svg(place: Placed<'_>, values: &[f64], quantity: &str, unit: &str) -> Str
         LEFT + 0.5 * bar_width,
         baseline + 18.0
     );
-    out += "</svg>\n";
-    out
+    (out, height)
+}
+
+/// The edges of one element alone: the outline of the interface and of its holes.
+fn outer_edges(mesh: &InterfaceMesh) -> Vec<[u32; 2]> {
+    let mut elements_of: BTreeMap<[u32; 2], usize> = BTreeMap::new();
+    for element in &mesh.elements {
+        let outline = element.outline();
+        for (&a, &b) in outline.iter().zip(outline.iter().cycle().skip(1)) {
+            *elements_of.entry([a.min(b), a.max(b)]).or_default() += 1;
+        }
+    }
+    let alone = elements_of.into_iter().filter(|(_, elements)| *elements == 1);
+    alone.map(|(edge, _)| edge).collect()
 }
 
 /// A map among several.

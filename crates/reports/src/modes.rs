@@ -19,6 +19,9 @@ pub const TABLE: &str = "modes.csv";
 /// Name of the VTK file.
 pub const SHAPES: &str = "modes.vtu";
 
+/// Width of a picture.
+pub(crate) const WIDTH: f64 = 800.0;
+
 /// Largest displacement in a picture over the longest extent of the structure.
 const DEFORMATION: f64 = 0.08;
 
@@ -113,7 +116,7 @@ struct Section {
 }
 
 fn page(model: &ModalModel, mesh: &Mesh, surface: &[Face], title: &str, about: &str) -> Result<String, Error> {
-    let scenery = Scenery::new(model, mesh, surface);
+    let scenery = Scenery::new(model.axes, &mesh.nodes, surface);
     let sections = model.contacts.iter().map(|of| Section {
         heading: heading(of.contact).into(),
         remark: remark(model, of),
@@ -206,7 +209,7 @@ fn numbers(of: &ModesOfContact) -> Table {
 }
 
 /// The surface of a structure, seen from one side.
-struct Scenery<'a> {
+pub(crate) struct Scenery<'a> {
     surface: &'a [Face],
     nodes: &'a [[f64; 3]],
     /// To the right, upwards and to the eye.
@@ -236,8 +239,8 @@ fn unit(a: [f64; 3]) -> [f64; 3] {
 }
 
 impl<'a> Scenery<'a> {
-    fn new(model: &ModalModel, mesh: &'a Mesh, surface: &'a [Face]) -> Self {
-        let [first, second, third] = model.axes;
+    /// The surface over the nodes; the principal axes of inertia are rows, the longest extent first.
+    pub(crate) fn new([first, second, third]: [[f64; 3]; 3], nodes: &'a [[f64; 3]], surface: &'a [Face]) -> Self {
         let mixed = |weights: [f64; 3]| {
             [0, 1, 2].map(|c| weights[0] * first[c] + weights[1] * second[c] + weights[2] * third[c])
         };
@@ -246,12 +249,12 @@ impl<'a> Scenery<'a> {
         let eye = unit(mixed([EYE[0], EYE[1] * sign, EYE[2]]));
         let right = unit(cross(third, eye));
         let view = [right, cross(eye, right), eye];
-        let edges = sharp_edges(surface, &mesh.nodes);
+        let edges = sharp_edges(surface, nodes);
         let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         let mut extents = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
         for face in surface {
             for &node in face.corners() {
-                let x = mesh.nodes[node as usize];
+                let x = nodes[node as usize];
                 let seen = [dot(view[0], x), dot(view[1], x)];
                 for (range, value) in bounds.iter_mut().zip(seen).chain(extents.iter_mut().zip(x)) {
                     *range = [range[0].min(value), range[1].max(value)];
@@ -260,7 +263,7 @@ impl<'a> Scenery<'a> {
         }
         Self {
             surface,
-            nodes: &mesh.nodes,
+            nodes,
             view,
             // Evenly thinned, as a picture shows no more.
             edges: {
@@ -272,17 +275,31 @@ impl<'a> Scenery<'a> {
         }
     }
 
-    /// The deformed surface over the edges of the undeformed one; colours are magnitudes of the displacement.
+    /// The picture of a mode.
     fn svg(&self, mode: &ModeShape) -> String {
-        const WIDTH: f64 = 800.0;
+        let label = escape(&format!(
+            "mode {}, {:.2} Hz: {}",
+            mode.number, mode.frequency_hz, mode.name
+        ));
+        let (body, height) = self.drawing(&mode.displacement, 1.0);
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-label=\"{label}\">\n\
+             {body}\n{}</svg>\n",
+            self.tripod(height, 14.0)
+        )
+    }
+
+    /// The deformed surface over the edges of the undeformed one, and its height; colours are magnitudes of the displacement. Lines are as many
+    /// times as wide as told.
+    pub(crate) fn drawing(&self, displacement: &[[f64; 3]], lines: f64) -> (String, f64) {
         let size = |u: &[f64; 3]| dot(*u, *u).sqrt();
-        let largest = mode.displacement.iter().map(size).fold(0.0, f64::max);
+        let largest = displacement.iter().map(size).fold(0.0, f64::max);
         let factor = if largest > 0.0 {
             DEFORMATION * self.longest / largest
         } else {
             0.0
         };
-        let deformed: Vec<[f64; 3]> = (self.nodes.iter().zip(&mode.displacement))
+        let deformed: Vec<[f64; 3]> = (self.nodes.iter().zip(displacement))
             .map(|(x, u)| [0, 1, 2].map(|c| x[c] + factor * u[c]))
             .collect();
         let room = DEFORMATION * self.longest;
@@ -295,7 +312,7 @@ impl<'a> Scenery<'a> {
             at.map(|length| (4.0 * scale * length).round() as i64)
         };
         let class = |nodes: &[u32]| {
-            let mean = nodes.iter().map(|&n| size(&mode.displacement[n as usize])).sum::<f64>() / nodes.len() as f64;
+            let mean = nodes.iter().map(|&n| size(&displacement[n as usize])).sum::<f64>() / nodes.len() as f64;
             ((mean / largest * CLASSES as f64) as usize).min(CLASSES - 1)
         };
         let colour = |class: usize| hex(rgb((class as f64 + 0.5) / CLASSES as f64));
@@ -312,20 +329,13 @@ impl<'a> Scenery<'a> {
             }
         };
         let mut out = String::new();
-        let label = escape(&format!(
-            "mode {}, {:.2} Hz: {}",
-            mode.number, mode.frequency_hz, mode.name
-        ));
-        let _ = writeln!(
-            out,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-label=\"{label}\">\n\
-             <g transform=\"scale(.25)\" stroke-linejoin=\"round\">"
-        );
+        let _ = writeln!(out, "<g transform=\"scale(.25)\" stroke-linejoin=\"round\">");
         let mut resting = String::new();
         self.edges.iter().for_each(|edge| line(&mut resting, edge, self.nodes));
         let _ = writeln!(
             out,
-            "<path d=\"{resting}\" fill=\"none\" stroke=\"#bbb\" stroke-width=\"3\"/>"
+            "<path d=\"{resting}\" fill=\"none\" stroke=\"#bbb\" stroke-width=\"{}\"/>",
+            3.0 * lines
         );
         let facing: Vec<&Face> = self
             .surface
@@ -353,7 +363,7 @@ impl<'a> Scenery<'a> {
                 }
                 let _ = writeln!(
                     out,
-                    "<path d=\"{path}\" fill=\"{}\" stroke=\"#333\" stroke-width=\"1\" stroke-opacity=\".5\"/>",
+                    "<path d=\"{path}\" fill=\"{}\" stroke=\"#333\" stroke-width=\"{lines}\" stroke-opacity=\".5\"/>",
                     colour(own)
                 );
                 start = end;
@@ -366,28 +376,32 @@ impl<'a> Scenery<'a> {
             for (own, path) in paths.iter().enumerate().filter(|(_, path)| !path.is_empty()) {
                 let _ = writeln!(
                     out,
-                    "<path d=\"{path}\" fill=\"none\" stroke=\"{}\" stroke-width=\"6\"/>",
-                    colour(own)
+                    "<path d=\"{path}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"/>",
+                    colour(own),
+                    6.0 * lines
                 );
             }
         }
-        let _ = writeln!(out, "</g>\n{}</svg>", self.tripod(height));
-        out
+        out += "</g>";
+        (out, height)
     }
 
-    /// The axes of the model in the lower left corner.
-    fn tripod(&self, height: f64) -> String {
-        const LENGTH: f64 = 36.0;
-        let (x0, y0) = (LENGTH + 14.0, height - LENGTH - 6.0);
-        let mut out = String::from("<g stroke=\"#444\" font-family=\"sans-serif\" font-size=\"14\">\n");
+    /// The axes of the model in the lower left corner, with names of this size.
+    pub(crate) fn tripod(&self, height: f64, text: f64) -> String {
+        let length = 36.0 * text / 14.0;
+        let (x0, y0) = (length + text, height - length - 6.0);
+        let mut out = format!(
+            "<g stroke=\"#444\" stroke-width=\"{:.1}\" font-family=\"sans-serif\" font-size=\"{text}\">\n",
+            text / 14.0
+        );
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            let [dx, dy] = [self.view[0][axis], -self.view[1][axis]].map(|part| LENGTH * part);
+            let [dx, dy] = [self.view[0][axis], -self.view[1][axis]].map(|part| length * part);
             let _ = writeln!(
                 out,
                 "<path d=\"M{x0:.1} {y0:.1}l{dx:.1} {dy:.1}\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" stroke=\"none\" \
                  fill=\"#444\">{name}</text>",
                 x0 + 1.25 * dx,
-                y0 + 1.25 * dy + 5.0
+                y0 + 1.25 * dy + 0.36 * text
             );
         }
         out + "</g>\n"

@@ -457,6 +457,42 @@ fn below_floor(summary: &Summary, lowest: f64) -> Points {
         .collect()
 }
 
+/// Sizes in a diagram (pixels).
+#[derive(Clone, Copy)]
+struct Look {
+    /// Of a picture, and of each of its diagrams.
+    size: [u32; 2],
+    /// By how much lines, dashes and marks are larger than on a screen.
+    lines: u32,
+    /// Numbers at the axes, their names, and the legend.
+    texts: [u32; 3],
+    /// Room beside the axes: on the left, below without a name and below with one.
+    axes: [u32; 3],
+    /// Room around, and more on the right.
+    margins: [u32; 2],
+    /// Most ticks of a logarithmic axis.
+    ticks: usize,
+}
+
+const SCREEN: Look = Look {
+    size: [SIZE.0, 300],
+    lines: 1,
+    texts: [15, 16, 14],
+    axes: [78, 30, 56],
+    margins: [8, 24],
+    ticks: usize::MAX,
+};
+
+/// Pixels of 0.1 pt, so that a column is 85 mm wide and texts have 8 pt; the library divides their sizes by 1.24.
+const COLUMN: Look = Look {
+    size: [2409, 1250],
+    lines: 5,
+    texts: [99; 3],
+    axes: [410, 150, 270],
+    margins: [40, 90],
+    ticks: 5,
+};
+
 /// One diagram with curves and bands over two axes.
 ///
 /// # Errors
@@ -467,6 +503,26 @@ pub fn panel<X, Y>(
     y: Y,
     y_label: &str,
     x_label: &str,
+    texts: [&dyn Fn(&f64) -> String; 2],
+    curves: &[Curve],
+    bands: &[Band],
+    legend: SeriesLabelPosition,
+) -> Result<(), Drawing>
+where
+    X: AsRangedCoord<Value = f64>,
+    Y: AsRangedCoord<Value = f64>,
+    X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
+    panel_with(&SCREEN, area, x, y, [x_label, y_label], texts, curves, bands, legend)
+}
+
+fn panel_with<X, Y>(
+    look: &Look,
+    area: &Canvas<'_>,
+    x: X,
+    y: Y,
+    [x_label, y_label]: [&str; 2],
     [x_text, y_text]: [&dyn Fn(&f64) -> String; 2],
     curves: &[Curve],
     bands: &[Band],
@@ -479,17 +535,22 @@ where
     Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
 {
     let mut chart = ChartBuilder::on(area)
-        .margin(8)
-        .margin_right(24)
-        .set_label_area_size(LabelAreaPosition::Left, 78)
-        .set_label_area_size(LabelAreaPosition::Bottom, if x_label.is_empty() { 30 } else { 56 })
+        .margin(look.margins[0])
+        .margin_right(look.margins[1])
+        .set_label_area_size(LabelAreaPosition::Left, look.axes[0])
+        .set_label_area_size(
+            LabelAreaPosition::Bottom,
+            look.axes[if x_label.is_empty() { 1 } else { 2 }],
+        )
         .build_cartesian_2d(x, y)?;
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)
-        .bold_line_style(GRID)
-        .label_style(("sans-serif", 15))
-        .axis_desc_style(("sans-serif", 16))
+        .bold_line_style(GRID.stroke_width(look.lines))
+        .axis_style(BLACK.stroke_width(look.lines))
+        .set_all_tick_mark_size(5 * look.lines)
+        .label_style(("sans-serif", look.texts[0]))
+        .axis_desc_style(("sans-serif", look.texts[1]))
         .x_label_formatter(x_text)
         .y_label_formatter(y_text)
         .y_labels(7)
@@ -508,49 +569,52 @@ where
         chart.draw_series([Polygon::new(outline, band.colour.mix(0.2).filled())])?;
     }
     for curve in curves {
-        let style = curve.colour.stroke_width(2);
+        let style = curve.colour.stroke_width(2 * look.lines);
+        let dashes = curve.dashes.map(|of| (look.lines * of.0, look.lines * of.1));
         let has_line = curve.marks.has_line();
         for run in curve.points.chunk_by(|a, b| a.0 + 1 == b.0).filter(|_| has_line) {
             let line = run.iter().map(|p| (p.1, p.2));
-            match curve.dashes {
+            match dashes {
                 None => chart.draw_series(LineSeries::new(line, style))?,
                 Some((length, spacing)) => chart.draw_series(DashedLineSeries::new(line, length, spacing, style))?,
             };
         }
-        let (filled, outline) = (curve.colour.filled(), curve.colour.stroke_width(1));
+        let (filled, outline) = (curve.colour.filled(), curve.colour.stroke_width(look.lines));
+        let [circle, triangle, cross] = [3, 6, 5].map(|size| size * look.lines as i32);
         let marked = curve.points.iter().map(|p| (p.1, p.2));
         let drawn = match curve.marks {
             Marks::None => chart.draw_series(std::iter::empty::<Circle<_, i32>>())?,
-            Marks::Dots => chart.draw_series(marked.map(|p| Circle::new(p, 3, filled)))?,
-            Marks::Bounds => chart.draw_series(marked.map(|p| Circle::new(p, 3, outline)))?,
-            Marks::Triangles => chart.draw_series(marked.map(|p| TriangleMarker::new(p, 6, filled)))?,
-            Marks::Crosses => chart.draw_series(marked.map(|p| Cross::new(p, 5, style)))?,
+            Marks::Dots => chart.draw_series(marked.map(|p| Circle::new(p, circle, filled)))?,
+            Marks::Bounds => chart.draw_series(marked.map(|p| Circle::new(p, circle, outline)))?,
+            Marks::Triangles => chart.draw_series(marked.map(|p| TriangleMarker::new(p, triangle, filled)))?,
+            Marks::Crosses => chart.draw_series(marked.map(|p| Cross::new(p, cross, style)))?,
         };
         if !legend_wanted || curve.name.is_empty() {
             continue;
         }
         let named = drawn.label(&curve.name);
-        let middle = SAMPLE as i32 / 2;
+        let sample = SAMPLE * look.lines;
+        let middle = sample as i32 / 2;
         match curve.marks {
             Marks::None | Marks::Dots => {
-                let (length, spacing) = curve.dashes.unwrap_or((SAMPLE, 1));
+                let (length, spacing) = dashes.unwrap_or((sample, 1));
                 named.legend(move |(x, y)| {
-                    let ends = [(x, y), (x + SAMPLE as i32, y)];
+                    let ends = [(x, y), (x + sample as i32, y)];
                     DashedPathElement::new(ends, length, spacing, style)
                 })
             }
-            Marks::Bounds => named.legend(move |(x, y)| Circle::new((x + middle, y), 3, outline)),
-            Marks::Triangles => named.legend(move |(x, y)| TriangleMarker::new((x + middle, y), 6, filled)),
-            Marks::Crosses => named.legend(move |(x, y)| Cross::new((x + middle, y), 5, style)),
+            Marks::Bounds => named.legend(move |(x, y)| Circle::new((x + middle, y), circle, outline)),
+            Marks::Triangles => named.legend(move |(x, y)| TriangleMarker::new((x + middle, y), triangle, filled)),
+            Marks::Crosses => named.legend(move |(x, y)| Cross::new((x + middle, y), cross, style)),
         };
     }
     if legend_wanted {
         chart
             .configure_series_labels()
             .position(legend)
-            .legend_area_size(SAMPLE + 6)
-            .margin(10)
-            .label_font(("sans-serif", 14))
+            .legend_area_size((SAMPLE + 6) * look.lines)
+            .margin(10 * look.lines)
+            .label_font(("sans-serif", look.texts[2]))
             .background_style(WHITE.mix(0.8))
             .draw()?;
     }
@@ -574,15 +638,43 @@ pub struct Panel {
 /// # Errors
 /// [`Error::Picture`].
 pub fn stack(x_label: &str, x_log: bool, panels: Vec<Panel>) -> Result<String, Error> {
-    const HEIGHT: u32 = 300;
-    let size = (SIZE.0, HEIGHT * panels.len() as u32 + 20);
+    let panels = panels.into_iter().map(|panel| (panel, Vec::new())).collect();
+    let x_text: &dyn Fn(&f64) -> String = if x_log { &power } else { &plain };
+    stack_with(&SCREEN, x_label, x_log, x_text, panels)
+}
+
+/// Diagrams of curves and bands above one another, over a logarithmic abscissa with these numbers, for a column of a paper: 85 mm wide, texts of
+/// 8 pt.
+///
+/// # Errors
+/// [`Error::Picture`].
+pub(crate) fn column(
+    x_label: &str,
+    x_text: &dyn Fn(&f64) -> String,
+    panels: Vec<(Panel, Vec<Band>)>,
+) -> Result<String, Error> {
+    stack_with(&COLUMN, x_label, true, x_text, panels)
+}
+
+fn stack_with(
+    look: &Look,
+    x_label: &str,
+    x_log: bool,
+    x_text: &dyn Fn(&f64) -> String,
+    panels: Vec<(Panel, Vec<Band>)>,
+) -> Result<String, Error> {
+    let size = (look.size[0], look.size[1] * panels.len() as u32 + 20);
     picture("diagrams", size, |root| {
-        let all = panels.iter().flat_map(|panel| points(&panel.curves)).map(|p| p.1);
+        let of_bands = panels.iter().flat_map(|panel| &panel.1).flat_map(|band| &band.points);
+        let of_curves = panels.iter().flat_map(|panel| points(&panel.0.curves));
+        let all = of_curves.map(|p| p.1).chain(of_bands.map(|p| p.0));
         let all = bounds(all.filter(|x| x.is_finite() && (!x_log || *x > 0.0))).unwrap_or(1.0..10.0);
         let x = if x_log { widen(&all, 1.3) } else { margin(&all) };
-        let x_ticks = ticks(&x);
+        let x_ticks = few(ticks(&x), look.ticks);
         let last = panels.len().saturating_sub(1);
-        for ((index, mut diagram), area) in panels.into_iter().enumerate().zip(root.split_evenly((last + 1, 1))) {
+        for ((index, (mut diagram, bands)), area) in
+            panels.into_iter().enumerate().zip(root.split_evenly((last + 1, 1)))
+        {
             let label = if index == last { x_label } else { "" };
             for curve in &mut diagram.curves {
                 let drawable = |x: f64, y: f64| x.is_finite() && y.is_finite() && (!x_log || x > 0.0);
@@ -590,42 +682,28 @@ pub fn stack(x_label: &str, x_log: bool, panels: Vec<Panel>) -> Result<String, E
                     .points
                     .retain(|(_, x, y)| drawable(*x, *y) && (!diagram.log || *y > 0.0));
             }
-            let range = bounds(points(&diagram.curves).map(|p| p.2)).unwrap_or(1.0..10.0);
-            let x_text: &dyn Fn(&f64) -> String = if x_log { &power } else { &plain };
+            let range = bounds(heights(&diagram.curves, &bands)).unwrap_or(1.0..10.0);
             let (curves, legend, name) = (&diagram.curves, diagram.legend, diagram.y_label);
             let y = if diagram.log {
                 widen(&range, 1.5)
             } else {
                 margin(&range)
             };
-            let y_ticks = ticks(&y);
+            let y_ticks = few(ticks(&y), look.ticks);
             let (linear_text, axis) = (decimals(&y), [x_text, &power as &dyn Fn(&f64) -> String]);
             let linear = [x_text, &linear_text as &dyn Fn(&f64) -> String];
+            let (labels, log_x) = ([label, name], log(&x, &x_ticks));
             match (x_log, diagram.log) {
-                (true, true) => panel(
-                    &area,
-                    log(&x, &x_ticks),
-                    log(&y, &y_ticks),
-                    name,
-                    label,
-                    axis,
-                    curves,
-                    &[],
-                    legend,
-                ),
-                (true, false) => panel(&area, log(&x, &x_ticks), y, name, label, linear, curves, &[], legend),
-                (false, true) => panel(
-                    &area,
-                    x.clone(),
-                    log(&y, &y_ticks),
-                    name,
-                    label,
-                    axis,
-                    curves,
-                    &[],
-                    legend,
-                ),
-                (false, false) => panel(&area, x.clone(), y, name, label, linear, curves, &[], legend),
+                (true, true) => {
+                    let y = log(&y, &y_ticks);
+                    panel_with(look, &area, log_x, y, labels, axis, curves, &bands, legend)
+                }
+                (true, false) => panel_with(look, &area, log_x, y, labels, linear, curves, &bands, legend),
+                (false, true) => {
+                    let y = log(&y, &y_ticks);
+                    panel_with(look, &area, x.clone(), y, labels, axis, curves, &bands, legend)
+                }
+                (false, false) => panel_with(look, &area, x.clone(), y, labels, linear, curves, &bands, legend),
             }?;
         }
         Ok(())
@@ -678,6 +756,17 @@ pub fn ticks(range: &Range<f64>) -> Vec<f64> {
         .flat_map(|n| factors.iter().map(move |f| f * 10_f64.powi(n)))
         .filter(|t| range.contains(t))
         .collect()
+}
+
+/// The ticks, or if they are too many the powers of ten among them, or some of these.
+fn few(ticks: Vec<f64>, most: usize) -> Vec<f64> {
+    if ticks.len() <= most {
+        return ticks;
+    }
+    let is_power = |tick: &f64| (tick.log10() - tick.log10().round()).abs() < 1e-9;
+    let powers: Vec<f64> = ticks.into_iter().filter(is_power).collect();
+    let step = powers.len().div_ceil(most).max(1);
+    powers.into_iter().step_by(step).collect()
 }
 
 /// `m x 10^n`, without `m` where it is one.

@@ -1,5 +1,6 @@
 //! An amplitude of a backbone as programs read it.
 
+use crate::amplitude::ConnectionLoop;
 use crate::dials::AmplitudeError;
 use serde::{Deserialize, Serialize};
 
@@ -83,6 +84,9 @@ pub struct BackboneSummary {
     /// What each interface did, where there are several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joints: Vec<JointSummary>,
+    /// What each connection did, in the order of the summary's; missing in older summaries.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub connections: Vec<ConnectionLoop>,
     /// Equilibria found, all cycles together.
     pub load_points: usize,
     /// Newton iterations of the whole loop.

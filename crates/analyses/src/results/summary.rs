@@ -17,7 +17,7 @@ use crate::shock::ShockSummary;
 use crate::uncertainty::Uncertainty;
 use crate::validity::Validity;
 use crate::warnings::Warning;
-use crate::{AmplitudeResult, ModeBackbone, Run, Sensitivity, TighteningResult};
+use crate::{AmplitudeResult, Connection, ModeBackbone, Run, Sensitivity, TighteningResult};
 use cqsma_solver::Reason;
 use dense_algebra::SystemMatrix;
 use harmonic_balance::backbone::Point;
@@ -77,6 +77,9 @@ pub struct Summary {
     pub tightening: Option<TighteningResult>,
     /// Modes about it.
     pub modes: Vec<ModeSummary>,
+    /// Parts of the interface by bolt, whose motions and forces the amplitudes have; missing in older summaries.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub connections: Vec<Connection>,
     /// Amplitudes in ascending order.
     pub backbone: Vec<BackboneSummary>,
     /// Backbones of the methods beside CQSMA, by the names that scenes use.
@@ -442,6 +445,7 @@ impl Summary {
                 .iter()
                 .map(|&frequency_hz| ModeSummary { frequency_hz })
                 .collect(),
+            connections: run.connections.clone(),
             backbone: backbone(run.first(), &run.scene, &run.parts),
             methods: methods(run.first()),
             backbones: match run.backbones.as_slice() {
@@ -492,11 +496,16 @@ impl Summary {
         summary
     }
 
-    /// The answers of all modes followed.
-    pub fn answers(&self) -> Vec<Answer> {
+    /// The first mode followed, counted from 1.
+    pub fn first_mode(&self) -> usize {
         let first = self.backbones.first().map(|of| of.mode);
         let followed = self.scene.pointer("/analyses/modes/followed/0");
-        let first = first.or_else(|| followed?.as_u64()?.try_into().ok()).unwrap_or(1);
+        first.or_else(|| followed?.as_u64()?.try_into().ok()).unwrap_or(1)
+    }
+
+    /// The answers of all modes followed.
+    pub fn answers(&self) -> Vec<Answer> {
+        let first = self.first_mode();
         let of_mode = |(mode, summary): (Option<usize>, Cow<'_, Self>)| {
             let mode = mode.unwrap_or(first);
             let bands = self
@@ -771,6 +780,7 @@ fn backbone_point(
         response_motion: fields.map(|f| f.response_motion),
         slip_fraction: fields.map(|f| f.slip_fraction),
         open_fraction: fields.map(|f| f.open_fraction),
+        connections: fields.map_or_else(Vec::new, |fields| fields.connections.clone()),
         joints: fields.map_or_else(Vec::new, |fields| {
             let of_joint = |(part, joint): (&PartReport, &JointLoop)| JointSummary {
                 name: part.name.clone(),

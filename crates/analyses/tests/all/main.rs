@@ -9,6 +9,7 @@ mod calibration;
 mod dampers;
 mod deck;
 mod effects;
+mod equivalent;
 mod errors;
 mod excitations;
 mod finish;

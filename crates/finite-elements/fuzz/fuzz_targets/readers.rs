@@ -33,4 +33,5 @@ fuzz_target!(|bytes: &[u8]| {
     }
     let _ = gmsh::read("fuzzed", bytes, &[], Some(&steel));
     let _ = vtu::read("fuzzed", bytes, &[steel]);
+    let _ = vtu::read_surface("fuzzed", bytes);
 });

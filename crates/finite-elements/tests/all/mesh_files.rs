@@ -797,6 +797,25 @@ fn surfaces_of_quadratic_faces_are_written_as_cells_of_vtk() {
         array("connectivity"),
         (0..8).chain(0..9).chain(9..15).collect::<Vec<u32>>()
     );
+    let found = vtu::read_surface("surface.vtu", text.as_bytes()).unwrap();
+    assert_eq!(found.faces, faces);
+}
+
+#[test]
+fn the_surface_of_solids_is_their_boundary_with_fields_of_nodes() {
+    let mesh = small();
+    let moved = Field {
+        name: "moved [m]".into(),
+        components: 3,
+        values: mesh.nodes.concat(),
+    };
+    let text = vtu::write(&mesh, std::slice::from_ref(&moved), &[], Encoding::Base64).unwrap();
+    let found = vtu::read_surface("mesh.vtu", text.as_bytes()).unwrap();
+    assert_eq!((found.nodes, found.point_fields), (mesh.nodes.clone(), vec![moved]));
+    assert_eq!(found.faces, mesh.boundary());
+    assert!(found.face_fields.is_empty());
+    let error = vtu::read_surface("mesh.vtu", &text.as_bytes()[..text.len() / 2]).unwrap_err();
+    assert!(error.to_string().contains("mesh.vtu"), "{error}");
 }
 
 #[test]
@@ -832,6 +851,12 @@ fn a_surface_is_written_with_its_fields() {
     assert_eq!(array("pressure [Pa]"), pressure.values);
     assert_eq!(array("gap [m]"), gap.values);
     assert!(!text.contains(vtu::MATERIAL));
+    let found = vtu::read_surface("surface.vtu", text.as_bytes()).unwrap();
+    assert_eq!(
+        (found.nodes.as_slice(), found.faces.as_slice()),
+        (&nodes[..], &faces[..])
+    );
+    assert_eq!((found.point_fields, found.face_fields), (vec![gap], vec![pressure]));
 
     let dangling = [Face::tri3([0, 1, 5])];
     let error = vtu::write_surface(&nodes, &dangling, &[], &[], Encoding::Ascii).unwrap_err();

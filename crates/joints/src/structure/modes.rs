@@ -12,11 +12,11 @@ use finite_elements::eigen;
 use finite_elements::sparse::multiply_into;
 use joint_model::{Bodies, MeshedBodies};
 use reduction::{Limits, checks};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sprs::CsMat;
 
 /// What holds the bodies together at the interface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Contact {
     /// Nothing.

@@ -36,6 +36,7 @@ from microslip.records import (
     read_record,
     synthetic_ring_down,
 )
+from microslip.plots import plot
 from microslip.results import (
     Backbone,
     Ensemble,
@@ -112,6 +113,7 @@ __all__ = [
     "identify",
     "laws",
     "load",
+    "plot",
     "press",
     "read_matrices",
     "read_mesh",

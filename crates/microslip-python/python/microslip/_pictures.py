@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from microslip.records import Comparison, Identification
+    from microslip.results import InterfaceMesh
     from microslip.surfaces import PlaneMesh
 
 _Floats = npt.NDArray[np.float64]
@@ -81,8 +82,8 @@ def comparison(of: Comparison) -> Figure:
     return figure
 
 
-def interface_map(mesh: PlaneMesh, values: _Floats, label: str) -> Figure:
-    """Values of elements in the plane of the interface, see :meth:`microslip.Characterisation.plot`."""
+def interface_map(mesh: PlaneMesh | InterfaceMesh, values: _Floats, label: str, width: float = 6.4) -> Figure:
+    """Values of elements in the plane of the interface, see :meth:`microslip.Characterisation.plot`; the width is in inches."""
     # First the one that says what is missing.
     from microslip._figure import picture
 
@@ -91,7 +92,7 @@ def interface_map(mesh: PlaneMesh, values: _Floats, label: str) -> Figure:
     extent = np.ptp(mesh.nodes, axis=0)
     upright = bool(extent[1] > extent[0])
     ratio = float(min(extent) / max(extent))
-    figure = picture(4.0, 6.4) if upright else picture(6.4, max(2.0, 5.2 * ratio + 1.0))
+    figure = picture(0.625 * width, width) if upright else picture(width, max(2.0, 0.8125 * width * ratio + 1.0))
     axes = figure.subplots()
     nodes = 1e3 * mesh.nodes
     # Elements have 3 or 6 nodes, or 4, 8 or 9; the corners come first.

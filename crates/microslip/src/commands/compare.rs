@@ -64,6 +64,45 @@ struct Compared {
     within: Option<[f64; 2]>,
 }
 
+/// A backbone of a run or of an experiment, with the edges of its band where there is one.
+pub(super) struct Overlaid(Theory);
+
+impl Overlaid {
+    pub(super) fn series(&self) -> Series<'_> {
+        Series {
+            name: self.0.name.clone(),
+            backbone: &self.0.backbone,
+            dashes: None,
+            band: self.0.band.as_ref().map(|[low, high]| [low, high]),
+        }
+    }
+}
+
+/// The backbones of runs and experiments over one quantity, that of the first experiment.
+pub(super) fn overlaid(paths: &[PathBuf]) -> Result<(Quantity, Vec<Overlaid>)> {
+    let results: Vec<Results> = paths.iter().map(|path| Results::read(path)).collect::<Result<_>>()?;
+    let harmonic = results.iter().all(Results::may_be_harmonic);
+    let measured = results.iter().find_map(|of| match of {
+        Results::Measured(experiment) => Some(experiment.quantity),
+        Results::Run(_) => None,
+    });
+    let quantity = measured.unwrap_or(Quantity::Displacement);
+    let all = results.into_iter().map(|of| {
+        Ok(Overlaid(match of {
+            Results::Run(run) => run.theory(harmonic)?.over(quantity)?,
+            Results::Measured(experiment) => {
+                let Experiment { name, backbone, .. } = experiment.over(quantity)?;
+                Theory {
+                    name,
+                    backbone,
+                    band: None,
+                }
+            }
+        }))
+    });
+    Ok((quantity, all.collect::<Result<_>>()?))
+}
+
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
     let ran = match Results::read(&arguments.run)? {
@@ -78,8 +117,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
         .map(|path| Results::read(path))
         .collect::<Result<_>>()?;
     // Like with like: where one of the runs has no first harmonics, all are read by their secants.
-    let harmonic = ran.is_harmonic()
-        && (references.iter()).all(|results| !matches!(results, Results::Run(run) if !run.is_harmonic()));
+    let harmonic = ran.is_harmonic() && references.iter().all(Results::may_be_harmonic);
     let theory = ran.theory(harmonic)?;
     let experiments: Vec<Experiment> = (references.into_iter())
         .map(|results| results.experiment(harmonic))
@@ -326,6 +364,11 @@ impl Results {
             return Ok(Self::Run(Ran { path, summary }));
         }
         Experiment::of_table(&path, &header, table).map(Self::Measured)
+    }
+
+    /// Whether it stands beside backbones of first harmonics: all but runs without them.
+    fn may_be_harmonic(&self) -> bool {
+        !matches!(self, Self::Run(run) if !run.is_harmonic())
     }
 
     fn experiment(self, harmonic: bool) -> Result<Experiment> {

@@ -1,7 +1,8 @@
-//! `export`: the reduced model of a scene, or its mesh, for other programs.
+//! `export`: the reduced model of a scene, its mesh, or the joints of a finished run, for other programs.
 
 use super::defaults::Defaults;
 use super::destination::default_directory;
+use super::elements::{self, Elements};
 use super::resources::Cache;
 use super::scene::SceneArguments;
 use crate::files::{self, Overwrite};
@@ -18,6 +19,7 @@ use joints::structure::export::{ABOUT, ABOUT_POINTS, arrays, deck, groups, point
 use matrix_files::value::Array;
 use matrix_files::{dmig, mat, matrix_market, npz, op4};
 use reports::Output;
+use reports::elements::Family;
 use scenes::{Gap, MaterialSource, Scene, StructureSource, Surface};
 use std::path::{Path, PathBuf};
 
@@ -26,7 +28,8 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// Format: of the reduced model one file of all arrays, or one Matrix Market file each; or of the mesh.
+    /// Format: of the reduced model one file of all arrays, or one Matrix Market file each; of the mesh; or of the joints of a finished run, whose
+    /// folder then takes the place of the scene.
     #[arg(long, value_enum)]
     format: Format,
     /// Folder for the files [default: results/NAME-export-FORMAT].
@@ -56,6 +59,14 @@ enum Format {
     Msh,
     /// The mesh for ParaView.
     Vtu,
+    /// Of a run: stiffness and loss factor of each connection at each amplitude, as PBUSH and PBUSHT of Nastran.
+    Cbush,
+    /// The same as behaviours of connectors of Abaqus.
+    Connector,
+    /// Of a run: four-parameter Iwan elements fitted to modal coordinates and connections.
+    Iwan,
+    /// The same by Bouc-Wen elements.
+    BoucWen,
 }
 
 impl Format {
@@ -69,14 +80,35 @@ impl Format {
             Self::Inp => "inp",
             Self::Msh => "msh",
             Self::Vtu => "vtu",
+            Self::Cbush => "cbush",
+            Self::Connector => "connector",
+            Self::Iwan => "iwan",
+            Self::BoucWen => "bouc-wen",
+        }
+    }
+
+    /// What is written of a finished run; none of a scene.
+    fn of_runs(self) -> Option<Elements> {
+        match self {
+            Self::Cbush => Some(Elements::Nastran),
+            Self::Connector => Some(Elements::Abaqus),
+            Self::Iwan => Some(Elements::Fitted(Family::Iwan)),
+            Self::BoucWen => Some(Elements::Fitted(Family::BoucWen)),
+            _ => None,
         }
     }
 }
 
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
-    let scene = arguments.scene.read(defaults)?.scene;
     let format = arguments.format.name();
+    if let Some(of) = arguments.format.of_runs() {
+        let folder = arguments.scene.path().with_context(|| {
+            format!("--format {format} takes the folder of a finished run, which `microslip run` writes")
+        })?;
+        return elements::export(folder, of, format, arguments.out.as_deref(), &arguments.overwrite);
+    }
+    let scene = arguments.scene.read(defaults)?.scene;
     let directory = match &arguments.out {
         Some(path) => path.clone(),
         None => default_directory(&format!("{}-export-{format}", scene.name))?,
@@ -121,7 +153,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
             "reduced.pch",
             dmig::to_bytes(&point_matrices(&reduced()?), ABOUT_POINTS)?,
         )],
-        Format::Inp | Format::Msh | Format::Vtu => mesh(&scene, &structure, arguments.format)?,
+        _ => mesh(&scene, &structure, arguments.format)?,
     };
     monitor.finish();
     files::publish(folder, &outputs)?;
@@ -129,7 +161,7 @@ pub(super) fn run(arguments: &Arguments, defaults: &Defaults) -> Result<()> {
     let about = match arguments.format {
         Format::Npz | Format::Mat | Format::Mtx | Format::Op4 => ABOUT,
         Format::Dmig => ABOUT_POINTS,
-        Format::Inp | Format::Msh | Format::Vtu => "",
+        _ => "",
     };
     print(&format!(
         "{about}\nwritten to {}: {}\n",

@@ -5,11 +5,13 @@ mod characterise;
 mod compare;
 mod defaults;
 mod destination;
+mod elements;
 mod export;
 mod identify;
 mod model;
 mod new;
 mod outcome;
+mod plot;
 mod resources;
 pub mod run;
 mod samples;
@@ -38,7 +40,7 @@ pub use scene::SceneArguments;
 pub enum Command {
     /// Describe the structure of a scene: size, mass and, with `--spectrum`, frequencies with linear interfaces.
     Model(model::Arguments),
-    /// Write the reduced model of a scene for other programs: NumPy, MATLAB and Octave, Matrix Market.
+    /// Write the reduced model of a scene for other programs: NumPy, MATLAB and Octave, Matrix Market; or the joints of a run as elements.
     Export(export::Arguments),
     /// Frequency and damping against amplitude from measured ring-downs; several files are hits to be averaged.
     Identify(identify::Arguments),
@@ -58,6 +60,8 @@ pub enum Command {
     Setup(setup::Arguments),
     /// Show runs beside each other in a browser on this computer, until Ctrl-C ends it.
     View(view::Arguments),
+    /// Draw results for papers, as SVG or PDF: backbones, maps of dissipation, mode shapes, bands, errors against time.
+    Plot(plot::Arguments),
     /// Check that results are as they were written, and within the bounds of sound results; with `--rerun` compute them again.
     Verify(verify::Arguments),
     /// Write a commented scene to start from, or with `--benchmark` a bolted structure with the script that makes its mesh.
@@ -96,6 +100,7 @@ impl Command {
             Self::Study(arguments) => return study::run(arguments, defaults),
             Self::Setup(arguments) => setup::run(arguments),
             Self::View(arguments) => view::run(arguments),
+            Self::Plot(arguments) => plot::run(arguments),
             Self::Verify(arguments) => verify::run(arguments),
             Self::New(arguments) => new::run(arguments),
             Self::Samples(arguments) => samples::run(arguments),

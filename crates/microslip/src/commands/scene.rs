@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// The scene that a command works on.
 #[derive(clap::Args)]
 pub struct SceneArguments {
-    /// Scene file; of `model` also a mesh or an input deck.
+    /// Scene file; of `model` also a mesh or an input deck, of `export` also the folder of a run.
     scene: Option<PathBuf>,
     /// A scene that comes with the program: NAME of a benchmark for its first scene, or NAME/SCENE (`microslip benchmarks` lists them).
     #[arg(long, value_name = "NAME", conflicts_with = "scene")]
@@ -31,6 +31,11 @@ impl SceneArguments {
     /// Whether it asks for anything of a deck.
     pub(super) fn asks_of_deck(&self) -> bool {
         self.deck.is_some() || self.allow_includes_outside
+    }
+
+    /// What stands in the place of the scene.
+    pub fn path(&self) -> Option<&Path> {
+        self.scene.as_deref()
     }
 
     /// What stands in the place of the scene, if it is none: a mesh or an input deck.

@@ -21,9 +21,11 @@ const TOLERANCE: f64 = 1e-6;
 /// Fields of the summary that are not results: inputs, where they and the settings come from, and what the computer spent.
 const NOT_RESULTS: [&str; 5] = ["scene", "adaptation", "provenance", "timings", "peak_memory"];
 
-/// Fields that round-off decides: how much work was done, what was left of residuals, and what follows from that.
-const OF_ROUND_OFF: [&str; 16] = [
+/// Fields that round-off decides: how much work was done, what was left of residuals, and what follows from that; the common motion around bolts that
+/// hardly have one.
+const OF_ROUND_OFF: [&str; 17] = [
     "coarse_loop_area",
+    "connections",
     "damping_floor",
     "equilibrium_error",
     "error",

@@ -10,18 +10,18 @@ const DECK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../analyses/tests/fixtu
 
 /// A rotation, rows being the images' components, and a shift (m).
 #[derive(Clone, Copy)]
-struct Place {
+pub(crate) struct Place {
     rotation: [[f64; 3]; 3],
     shift: [f64; 3],
 }
 
-const AT_HOME: Place = Place {
+pub(crate) const AT_HOME: Place = Place {
     rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
     shift: [0.0; 3],
 };
 
 /// Of a rotation matrix with rational entries.
-const ELSEWHERE: Place = Place {
+pub(crate) const ELSEWHERE: Place = Place {
     rotation: [
         [2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0],
         [2.0 / 3.0, 2.0 / 3.0, -1.0 / 3.0],
@@ -31,11 +31,11 @@ const ELSEWHERE: Place = Place {
 };
 
 impl Place {
-    fn turn(&self, x: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn turn(&self, x: [f64; 3]) -> [f64; 3] {
         self.rotation.map(|row| row.iter().zip(x).map(|(r, x)| r * x).sum())
     }
 
-    fn of(&self, x: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn of(&self, x: [f64; 3]) -> [f64; 3] {
         let turned = self.turn(x);
         [0, 1, 2].map(|c| turned[c] + self.shift[c])
     }
@@ -63,7 +63,7 @@ fn results(folder: &Path, name: &str, place: Place) {
 }
 
 /// Runs the scene with a change on the deck that is at a place; returns what is said on standard error.
-fn results_of(folder: &Path, name: &str, place: Place, change: impl Fn(&mut Value)) -> String {
+pub(crate) fn results_of(folder: &Path, name: &str, place: Place, change: impl Fn(&mut Value)) -> String {
     std::fs::write(folder.join(format!("{name}.inp")), place.deck()).unwrap();
     let elastic = json!({ "normal_stiffness": 1e12, "tangential_stiffness": [8e11, 8e11] });
     let mut scene = json!({
@@ -99,7 +99,7 @@ fn results_of(folder: &Path, name: &str, place: Place, change: impl Fn(&mut Valu
 }
 
 /// Leaves the periodic motions out of a scene.
-fn without_epmc(scene: &mut Value) {
+pub(crate) fn without_epmc(scene: &mut Value) {
     scene["analyses"].as_object_mut().unwrap().remove("epmc");
 }
 

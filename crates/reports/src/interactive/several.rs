@@ -4,7 +4,6 @@ use super::data::{Backbone, Band, bands};
 use crate::Error;
 use analyses::results::summary::Summary;
 use serde::Serialize;
-use serde_json::Value;
 
 /// Runs beside each other.
 #[derive(Debug, Serialize)]
@@ -32,7 +31,7 @@ impl Runs {
     pub(crate) fn of<'a>(runs: impl IntoIterator<Item = (&'a str, &'a str, &'a Summary)>) -> Result<Self, Error> {
         let entry = |(name, page, summary): (&str, &str, &Summary)| {
             let modes = summary.by_mode().map(|(further, of_mode)| {
-                Backbone::of(further.unwrap_or_else(|| first_mode(summary)), further, &of_mode)
+                Backbone::of(further.unwrap_or_else(|| summary.first_mode()), further, &of_mode)
             });
             Ok::<_, Error>(Entry {
                 name: name.into(),
@@ -45,17 +44,5 @@ impl Runs {
         Ok(Self {
             runs: runs.into_iter().map(entry).collect::<Result<_, _>>()?,
         })
-    }
-}
-
-/// The first mode that a run followed, counted from 1.
-fn first_mode(summary: &Summary) -> usize {
-    let cqsma = &summary.scene["cqsma"];
-    let asked = [&cqsma["modes_of_interest"][0], &cqsma["mode"]]
-        .into_iter()
-        .find_map(Value::as_u64);
-    match (summary.backbones.first(), asked) {
-        (Some(first), _) => first.mode,
-        (None, asked) => asked.map_or(1, |mode| mode as usize),
     }
 }

@@ -3,9 +3,9 @@
 use super::document::{Array, Grid, Reader, SECTIONS};
 use super::field::{Field, MATERIAL};
 use crate::Error;
-use crate::elements::{self, Cell, ELEMENT_TYPES, ElementType, FACE_TYPES, FaceType};
+use crate::elements::{self, Cell, ELEMENT_TYPES, ElementType, FACE_TYPES, FaceType, Sides};
 use crate::formats::common::Kept;
-use crate::mesh::{Element, Material, Mesh};
+use crate::mesh::{Element, Face, Material, Mesh};
 use std::collections::BTreeSet;
 
 /// What a file holds.
@@ -25,6 +25,19 @@ pub struct Contents {
     pub reversed_wedges: usize,
     /// Arrays of points and cells that are not numbers.
     pub skipped_arrays: usize,
+}
+
+/// A surface with fields, as [`super::write_surface`] writes it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Positions of all points of the file (m).
+    pub nodes: Vec<[f64; 3]>,
+    /// Faces; where the file holds solids, their outer faces.
+    pub faces: Vec<Face>,
+    /// Fields at the nodes.
+    pub point_fields: Vec<Field>,
+    /// Fields of the faces; those of solids are left out.
+    pub face_fields: Vec<Field>,
 }
 
 /// Cell type and number of nodes of points and lines.
@@ -162,8 +175,56 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Types and points of all cells.
+    /// Types and points of all cells, of which some are solids.
     pub(super) fn cells<'n>(&self, grid: &Grid<'a>, connectivity: &'n [u32]) -> Result<Vec<(Kind, &'n [u32])>, Error> {
+        let cells = self.all_cells(grid, connectivity)?;
+        if !cells.iter().any(|(kind, _)| matches!(kind, Kind::Solid(_))) {
+            return Err(self.inconsistent(
+                grid.at,
+                "the file holds no solids".into(),
+                "save a mesh of hexahedra, wedges or tetrahedra",
+            ));
+        }
+        Ok(cells)
+    }
+
+    /// The outer faces of the solids; where there are none, all faces with their fields.
+    pub(super) fn surface(&self, grid: &Grid<'a>) -> Result<Surface, Error> {
+        self.check_piece(grid)?;
+        let nodes = self.coordinates(grid)?;
+        let connectivity = self.connectivity(grid, nodes.len())?;
+        let (mut solids, mut rows, mut faces) = (Vec::new(), Vec::new(), Vec::new());
+        for (number, (kind, points)) in self.all_cells(grid, &connectivity)?.into_iter().enumerate() {
+            match kind {
+                Kind::Solid(row) => solids.push(Cell::of_type(row, &ours(row, points, &nodes).0)),
+                Kind::Face(_) => {
+                    faces.extend(Face::from_nodes(points));
+                    rows.push(number);
+                }
+                Kind::Nodes(_) => {}
+            }
+        }
+        if !solids.is_empty() {
+            rows.clear();
+            faces = Sides::of(&solids)
+                .boundary(&solids)
+                .into_iter()
+                .map(|(face, _)| face)
+                .collect();
+        }
+        let points: Vec<usize> = (0..nodes.len()).collect();
+        let (point_fields, _) = self.fields(grid, 2, grid.n_points, &points)?;
+        let (face_fields, _) = self.fields(grid, 3, grid.n_cells, &rows)?;
+        Ok(Surface {
+            nodes,
+            faces,
+            point_fields,
+            face_fields,
+        })
+    }
+
+    /// Types and points of all cells.
+    fn all_cells<'n>(&self, grid: &Grid<'a>, connectivity: &'n [u32]) -> Result<Vec<(Kind, &'n [u32])>, Error> {
         let [offsets, types] = [self.cells_array(grid, "offsets")?, self.cells_array(grid, "types")?];
         let ends = self.exactly(grid, offsets, Some(grid.n_cells))?;
         let cell_types = self.exactly(grid, types, Some(grid.n_cells))?;
@@ -189,13 +250,6 @@ impl<'a> Reader<'a> {
             let found = format!("{} indices", connectivity.len());
             let connectivity = self.cells_array(grid, "connectivity")?;
             return Err(self.syntax(connectivity.at, format!("{start} indices of nodes"), found));
-        }
-        if !cells.iter().any(|(kind, _)| matches!(kind, Kind::Solid(_))) {
-            return Err(self.inconsistent(
-                grid.at,
-                "the file holds no solids".into(),
-                "save a mesh of hexahedra, wedges or tetrahedra",
-            ));
         }
         Ok(cells)
     }

@@ -5,7 +5,7 @@
 //! [`crate::elements`]; they are this crate's, except that versions of VTK differ in the first triangle of a wedge: both
 //! orders are read. VTK knows no units: lengths are taken as metres.
 //!
-//! [`write()`] writes solids, [`write_surface`] a surface, such as an interface with fields of its elements.
+//! [`write()`] writes solids, [`write_surface`] a surface, such as an interface with fields of its elements; [`read_surface`] reads either.
 
 mod arrays;
 mod contents;
@@ -14,7 +14,7 @@ mod field;
 mod solid;
 mod write;
 
-pub use contents::Contents;
+pub use contents::{Contents, Surface};
 pub use field::{Encoding, Field, MATERIAL};
 pub use write::{write, write_surface};
 
@@ -38,6 +38,17 @@ pub fn read(file: &str, bytes: &[u8], materials: &[Material]) -> Result<Contents
     let mut grid = Grid::default();
     reader.document(&mut grid)?;
     reader.contents(&grid, materials)
+}
+
+/// Reads the surface in `bytes`, with its fields: that of [`write_surface`], or the outer faces of solids; `file` is its name in messages.
+///
+/// # Errors
+/// As those of [`read()`], but for files without solids.
+pub fn read_surface(file: &str, bytes: &[u8]) -> Result<Surface, Error> {
+    let reader = Reader::new(file, bytes);
+    let mut grid = Grid::default();
+    reader.document(&mut grid)?;
+    reader.surface(&grid)
 }
 
 /// The solids of a file, and the groups that integer arrays of its cells make, without materials.
