@@ -7,6 +7,7 @@ mod backbone;
 pub mod calibration;
 pub mod cases;
 pub mod comparison;
+mod costs;
 mod deformed;
 pub mod dials;
 mod effects;
