@@ -13,6 +13,7 @@ pub(crate) use data::Document;
 pub(crate) use several::Runs;
 pub(crate) use shapes::Shapes;
 
+use crate::cases::Cases;
 use crate::{Error, styles};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -52,6 +53,9 @@ const RUNS: [&str; 4] = [
     include_str!("curves.js"),
     include_str!("several.js"),
 ];
+
+/// What scripts of a page about a study consist of, in this order.
+const CASES: [&str; 2] = [include_str!("chart.js"), include_str!("cases.js")];
 
 /// What scripts of a page about mode shapes consist of, in this order.
 const SHAPES: [&str; 2] = [include_str!("scene3d.js"), include_str!("shapes.js")];
@@ -97,6 +101,14 @@ impl Live {
     /// [`Error::Summary`] if the data have no JSON.
     pub(crate) fn runs(runs: &Runs) -> Result<Self, Error> {
         Self::new(runs, vec![UPLOT[0].to_owned(), own(&RUNS)], &[UPLOT[1], STYLE])
+    }
+
+    /// What a page about the cases of a study needs.
+    ///
+    /// # Errors
+    /// [`Error::Summary`] if the data have no JSON.
+    pub(crate) fn cases(cases: &Cases) -> Result<Self, Error> {
+        Self::new(cases, vec![UPLOT[0].to_owned(), own(&CASES)], &[UPLOT[1], STYLE])
     }
 
     fn new(data: &impl Serialize, scripts: Vec<String>, styles: &[&str]) -> Result<Self, Error> {
@@ -162,6 +174,7 @@ mod tests {
             .iter()
             .chain(&SHAPES)
             .chain(&RUNS)
+            .chain(&CASES)
             .chain(&UPLOT[..1])
             .chain(&[THREE, COMMON])
         {
