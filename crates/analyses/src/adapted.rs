@@ -10,7 +10,7 @@ use super::prepared::{Prepared, mesh, prepare};
 use super::run::Run;
 use super::walks;
 use crate::Error;
-use joints::progress::{Progress, Quiet};
+use joints::progress::{Progress, Quiet, Stage, Within};
 use joints::store::Options;
 use joints::store::checkpoint::Checkpoints;
 use joints::structure::{StructuralModel, Structure};
@@ -122,7 +122,7 @@ fn pilot(
     let mut analysis = prepared.analyse_in_full(&quiet)?;
     let bar = match bar {
         Some(bar) => Some(bar),
-        None => prepared.estimated_error(&analysis, &quiet)?,
+        None => prepared.estimated_error(&analysis, &Within::new(&quiet, Stage::Bodies, [0.0, 1.0]))?,
     };
     prepared.estimate_errors(&mut analysis.modes, bar.as_ref());
     let amplitudes = analysis.modes.iter().flat_map(|mode| &mode.amplitudes);

@@ -299,12 +299,15 @@ impl<'a> Request<'a> {
             }
         };
         finished.values().for_each(|(point, _)| tell(point));
-        let count = AtomicUsize::new(forces.len() - pending.len());
+        let count = AtomicUsize::new(0);
+        // Loops of large amplitudes take up to twice as long as those of small ones.
+        let cost = |index: usize| forces.len() + index;
+        let all: usize = pending.iter().map(|index| cost(*index)).sum();
         let finish = |index: usize, point: &BackbonePoint, fields: Option<&LoopFields>| {
             finished.add(index, (point, fields));
             tell(point);
-            let done = count.fetch_add(1, Ordering::Relaxed) + 1;
-            progress.fraction(Stage::Backbone, share(done as f64 / forces.len() as f64));
+            let done = count.fetch_add(cost(index), Ordering::Relaxed) + cost(index);
+            progress.fraction(Stage::Backbone, share(done as f64 / all as f64));
             if progress.interrupted() {
                 ControlFlow::Break(())
             } else {

@@ -8,6 +8,7 @@ pub mod calibration;
 pub mod cases;
 pub mod comparison;
 mod connections;
+mod costs;
 mod deformed;
 pub mod dials;
 mod effects;

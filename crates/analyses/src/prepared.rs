@@ -2,6 +2,7 @@
 
 use super::backbone::uniform;
 use super::connections::Connection;
+use super::costs;
 use super::deformed::Deformed;
 use super::element_loops;
 use super::error_bar::ErrorBar;
@@ -14,9 +15,10 @@ use super::solver::{Solver, tensions};
 use super::walks::{self, Beside};
 use super::warnings;
 use crate::Error;
+use dense_algebra::Limits;
 use joint_model::InterfacePart;
 use joints::interface::{InterfaceForce, SceneInterface};
-use joints::progress::{Progress, Silent, Stage, end_stage, go_on};
+use joints::progress::{Progress, Silent, Stage, Within, end_stage, go_on};
 use joints::store::Options;
 use joints::structure::{StructuralModel, Structure};
 use scenes::{Parameter, Scene};
@@ -86,6 +88,7 @@ pub(super) fn mesh(scene: &Scene, progress: &dyn Progress) -> Result<Structure, 
     for warning in warnings::of_input(&overview) {
         progress.warn(&warning.message);
     }
+    costs::expect(scene, &structure, progress);
     Ok(structure)
 }
 
@@ -204,12 +207,14 @@ impl Prepared {
     }
 
     /// The bodies deformed, if the scene asks for them.
-    pub(super) fn deformed(&self, analysis: &Analysis, progress: &dyn Progress) -> Result<Option<Deformed>, Error> {
+    pub(super) fn deformed(&self, analysis: &Analysis, within: &Within<'_>) -> Result<Option<Deformed>, Error> {
         let Some(structure) = self.structure.as_ref().filter(|_| self.scene.output.deformed) else {
             return Ok(None);
         };
-        progress.note("the structure is factored again, to find displacements of the bodies");
-        Deformed::new(structure, &self.model, &self.scene, analysis).map(Some)
+        within.note("the structure is factored again, to find displacements of the bodies");
+        let (stop, hear) = (|| within.interrupted(), |done| within.done(done));
+        let limits = Limits::default().until(&stop).heard_by(&hear);
+        Deformed::new(structure, &self.model, &self.scene, analysis, limits).map(Some)
     }
 
     /// Stiffness over the jump of the contact under the bolt loads with everything in contact stuck, symmetrised (N/m).
@@ -230,12 +235,24 @@ impl Prepared {
     }
 
     /// The interfaces with another number of each setting of its law, if there are loops whose errors are to be estimated.
-    pub(super) fn beside(&self) -> Option<Vec<Beside>> {
+    ///
+    /// # Errors
+    /// An interruption.
+    pub(super) fn beside(&self, progress: &dyn Progress) -> Result<Option<Vec<Beside>>, Error> {
+        if self.scene.analyses.backbone.amplitudes == 0 {
+            return Ok(None);
+        }
+        progress.begin(Stage::Comparisons);
         let load = closing_force(&self.scene, &self.model);
         let (mesh, parts) = &self.faces;
         let settled = |scene: &Scene, other| self.solver().settled(scene, other, &Silent).ok();
-        (self.scene.analyses.backbone.amplitudes > 0)
-            .then(|| walks::beside(&self.scene, (mesh, parts), &self.interface, load, settled))
+        let told = |done| {
+            progress.fraction(Stage::Comparisons, done);
+            Ok(go_on(progress)?)
+        };
+        let found = walks::beside(&self.scene, (mesh, parts), &self.interface, load, settled, &told)?;
+        end_stage(progress, Stage::Comparisons)?;
+        Ok(Some(found))
     }
 
     /// What solves need of it.

@@ -4,7 +4,8 @@ use super::amplitude::Fields;
 use crate::Error;
 use contact_laws::Sticking;
 use cqsma_solver::prestress::{self, Prestress};
-use cqsma_solver::{Failure, Linearisation, NewtonSettings, modes};
+use cqsma_solver::{Failure, Linearisation, NewtonSettings, Reason, modes};
+use dense_algebra::Limits;
 use joints::interface::InterfaceForce;
 use joints::structure::StructuralModel;
 use reduction::ReducedModel;
@@ -42,12 +43,15 @@ pub(super) fn solve(
     force: &InterfaceForce<'_>,
     static_load: &[f64],
     start: &[f64],
-    newton: &NewtonSettings,
+    (newton, limits): (&NewtonSettings, Limits<'_>),
 ) -> Result<Prestress<State>, Error> {
-    prestress::solve(reduced.stiffness.as_ref(), force, static_load, start, newton)?.map_err(failed)
+    prestress::solve_within(limits, reduced.stiffness.as_ref(), force, static_load, start, newton)?.map_err(failed)
 }
 
 pub(super) fn failed(failure: Failure) -> Error {
+    if failure.reason == Reason::Interrupted {
+        return cqsma_solver::Error::Interrupted.into();
+    }
     Error::Prestress {
         reason: failure.reason,
         history: failure.history,

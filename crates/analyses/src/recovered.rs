@@ -14,13 +14,13 @@ use super::prepared::Prepared;
 use super::prestress::linearise;
 use super::solver::Solver;
 use crate::Error;
-use dense_algebra::{SystemMatrix, product, symmetric_eigen};
+use dense_algebra::{Limits, SystemMatrix, product, symmetric_eigen};
 use faer::{Mat, MatRef};
 use finite_elements::mesh::Mesh;
 use finite_elements::recovery::StrainErrors;
 use joint_model::Bodies;
 use joints::interface::InterfaceForce;
-use joints::progress::{Progress, Quiet};
+use joints::progress::{Progress, Within};
 use joints::structure::Structure;
 
 /// Damping ratio from which on loops are chosen for the error of damping: below it no mesh resolves where slip begins.
@@ -32,6 +32,10 @@ const SAME_MOTION: f64 = 1e-8;
 /// Places where the mesh errs most that are named.
 const PLACES: usize = 5;
 
+/// What is done of the work when the displacements are found, and when the strains are recovered.
+const FACTORED: f64 = 0.55;
+const RECOVERED: f64 = 0.6;
+
 /// Where the figures come from.
 const SOURCE: &str = "estimated for this run from recovered strains (Zienkiewicz and Zhu) of the modes followed and of two loops of each";
 
@@ -40,19 +44,15 @@ impl Prepared {
     ///
     /// # Errors
     /// An interruption. Whatever else prevents an estimate is said in its place.
-    pub(super) fn estimated_error(
-        &self,
-        analysis: &Analysis,
-        progress: &dyn Progress,
-    ) -> Result<Option<ErrorBar>, Error> {
+    pub(super) fn estimated_error(&self, analysis: &Analysis, within: &Within<'_>) -> Result<Option<ErrorBar>, Error> {
         let Some(structure) = self.structure.as_ref().filter(|_| ErrorBar::is_estimated(&self.scene)) else {
             return Ok(None);
         };
         let Bodies::Meshed(bodies) = &structure.joint.bodies else {
             return Ok(None);
         };
-        progress.note("the structure is factored again, to estimate the error of its mesh");
-        match self.estimate(structure, &bodies.assembly.mesh, analysis, progress) {
+        within.note("the structure is factored again, to estimate the error of its mesh");
+        match self.estimate(structure, &bodies.assembly.mesh, analysis, within) {
             Ok(bar) => Ok(Some(bar)),
             Err(error) if error.is_interruption() => Err(error),
             Err(error) => Ok(Some(ErrorBar::unknown(&format!("the estimate failed: {error}")))),
@@ -64,9 +64,8 @@ impl Prepared {
         structure: &Structure,
         mesh: &Mesh,
         analysis: &Analysis,
-        progress: &dyn Progress,
+        within: &Within<'_>,
     ) -> Result<ErrorBar, Error> {
-        let quiet = Quiet(progress);
         let chosen: Vec<Vec<usize>> = analysis.modes.iter().map(chosen).collect();
         let forces: Vec<Vec<f64>> = (analysis.modes.iter().zip(&chosen))
             .map(|(mode, numbers)| {
@@ -81,8 +80,11 @@ impl Prepared {
             ..self.options.clone()
         };
         let motions = self.motions(analysis, &chosen)?;
-        let displacements = structure.displacements(&self.model, motions.as_ref())?;
+        let (stop, hear) = (|| within.interrupted(), |done| within.done(done));
+        let limits = Limits::default().until(&stop).heard_by(&hear);
+        let displacements = structure.displacements(&self.model, motions.as_ref(), limits.part(0.0, FACTORED))?;
         let errors = StrainErrors::try_new(mesh, &displacements).map_err(joints::Error::from)?;
+        limits.done(RECOVERED);
         let n = errors.n_motions;
         let lacking = Mat::from_fn(n, n, |i, j| errors.products[n * i + j]);
         let mut softer = self.model.clone();
@@ -101,7 +103,7 @@ impl Prepared {
             ..self.solver()
         };
         let (interface, closure) = (&self.interface.interface, self.interface.closure);
-        let other = solver.analyse(&scene, interface, closure, Some(&forces), &quiet)?;
+        let other = solver.analyse(&scene, interface, closure, Some(&forces), &within.part(RECOVERED, 1.0))?;
         let (mut frequency, mut damping) = (0.0_f64, None::<f64>);
         for ((own_mode, numbers), other_mode) in analysis.modes.iter().zip(&chosen).zip(&other.modes) {
             let at = own_mode.mode - 1;

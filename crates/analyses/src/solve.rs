@@ -1,5 +1,6 @@
 //! A scene, run from mesh to results.
 
+use super::costs;
 use super::deformed::Deformed;
 use super::dials::AmplitudeError;
 use super::ensemble::{self, Ensemble, Member};
@@ -17,7 +18,7 @@ use super::validity::{self, LARGEST_CONTACT};
 use super::variants::Variants;
 use super::warnings::{self, ContactCircles, Findings};
 use crate::Error;
-use joints::progress::{Progress, Stage};
+use joints::progress::{Progress, Stage, Within, end_stage};
 use joints::store::Options;
 use joints::store::checkpoint::{Checkpoint, Checkpoints};
 use joints::structure::choice_name;
@@ -36,6 +37,7 @@ pub fn run_ensemble(
     if !scene.interfaces.surface.is_scanned() {
         return Err(joints::Error::NoSamples.into());
     }
+    costs::expect_samples(realisations, progress);
     prepare(scene, options, progress)?.solve_ensemble(realisations, progress)
 }
 
@@ -51,7 +53,7 @@ impl Prepared {
     /// # Errors
     /// As [`Solver::analyse`].
     pub(super) fn analyse_in_full(&self, progress: &dyn Progress) -> Result<Analysis, Error> {
-        let beside = self.beside();
+        let beside = self.beside(progress)?;
         let mut analysis = self.analyse_itself(None, beside.as_deref(), progress)?;
         let Some(structure) = self
             .structure
@@ -145,10 +147,25 @@ impl Prepared {
     /// # Errors
     /// An interruption; of the displacements.
     pub(super) fn bodies(&self, analysis: &Analysis, progress: &dyn Progress) -> Result<OfBodies, Error> {
-        Ok(OfBodies {
-            deformed: self.deformed(analysis, progress)?,
-            estimated_error: self.estimated_error(analysis, progress)?,
-        })
+        let is_asked = self.structure.is_some() && (self.scene.output.deformed || ErrorBar::is_estimated(&self.scene));
+        if !is_asked {
+            return Ok(OfBodies {
+                deformed: None,
+                estimated_error: None,
+            });
+        }
+        progress.begin(Stage::Bodies);
+        let middle = match (self.scene.output.deformed, ErrorBar::is_estimated(&self.scene)) {
+            (true, true) => 0.4,
+            (true, false) => 1.0,
+            (false, _) => 0.0,
+        };
+        let found = OfBodies {
+            deformed: self.deformed(analysis, &Within::new(progress, Stage::Bodies, [0.0, middle]))?,
+            estimated_error: self.estimated_error(analysis, &Within::new(progress, Stage::Bodies, [middle, 1.0]))?,
+        };
+        end_stage(progress, Stage::Bodies)?;
+        Ok(found)
     }
 
     /// Gives each amplitude its error, of which `estimated` is that of the mesh where no table has it.

@@ -11,6 +11,7 @@ use super::tightening::{TighteningResult, tighten};
 use super::walks::{AtRest, Beside, Walks};
 use crate::Error;
 use cqsma_solver::NewtonSettings;
+use dense_algebra::Limits;
 use joints::interface::{InterfaceForce, SceneInterface};
 use joints::progress::{Progress, Quiet, Stage, end_stage};
 use joints::store::Options;
@@ -66,16 +67,18 @@ impl Solver<'_> {
         let start = uniform(reduced, closure);
         let assembled = assembled(scene, interface);
         let (tensions, newton) = (tensions(self.model, scene), newton_settings(scene));
+        let told = |done| progress.fraction(Stage::Prestress, done);
         let found = match &scene.analyses.tightening {
             None => {
                 let load = load_of(reduced, &tensions);
-                let solution = prestress::solve(reduced, &assembled, &load, &start, &newton)?;
+                let stop = || progress.interrupted();
+                let limits = Limits::default().until(&stop).heard_by(&told);
+                let solution = prestress::solve(reduced, &assembled, &load, &start, (&newton, limits))?;
                 let bolts = closing_force(scene, self.model);
                 let checked = prestress::checked(reduced, &assembled, solution, &load, tensions, bolts)?;
                 (checked, None)
             }
             Some(plan) => {
-                let told = |done| progress.fraction(Stage::Prestress, done);
                 let jump = &start[..reduced.n_relative];
                 let (solution, found) = tighten(reduced, &assembled, &tensions, plan, jump, &newton, &told)?;
                 let tensions = found.residual_preloads.clone();

@@ -4,6 +4,7 @@
 //! on the seed alone, so that neither the number of threads nor an interruption changes a bit. Beside the samples stands the linear
 //! propagation of uncertainty (JCGM 100:2008, eq. 13) from the derivatives at the scene's own values.
 
+use super::costs;
 use super::ensemble::percentile;
 use super::finite_differences::{self, AROUND, Gradient, values};
 use super::sampling::samples;
@@ -197,6 +198,7 @@ pub fn run_samples(
     for sample in first.iter().chain(&second) {
         refuse(&parameters, &marginals, scene, sample)?;
     }
+    costs::expect_samples(first.len() + second.len() * (1 + marginals.len()), progress);
     let Solved {
         structure,
         prepared,

@@ -9,6 +9,7 @@ use super::amplitude::AmplitudeResult;
 use super::dials::{AmplitudeError, Dial, DialError};
 use super::error_bar::ErrorBar;
 use super::prestress::PrestressResult;
+use crate::Error;
 use contact_laws::Sticking;
 use cqsma_solver::BackbonePoint;
 use joint_model::InterfacePart;
@@ -52,14 +53,18 @@ pub(super) fn bins(parts: &[PartReport]) -> usize {
     resolved.map(|report| report.bins).max().unwrap_or(0)
 }
 
-/// The interfaces of a scene with another number of each setting of the law that it has.
+/// The interfaces of a scene with another number of each setting of the law that it has; `told` hears how much is done, and may stop it.
+///
+/// # Errors
+/// Of `told`.
 pub(super) fn beside(
     scene: &Scene,
     (mesh, parts): (&InterfaceMesh, &[InterfacePart]),
     interface: &SceneInterface,
     load: f64,
     settled: impl Fn(&Scene, SceneInterface) -> Option<SceneInterface>,
-) -> Vec<Beside> {
+    told: &dyn Fn(f64) -> Result<(), Error>,
+) -> Result<Vec<Beside>, Error> {
     let bins = bins(&interface.reports);
     let many = match scene.interfaces.law.friction() {
         Friction::Foundation => MANY_SPRINGS,
@@ -87,10 +92,13 @@ pub(super) fn beside(
         };
         Some(Beside { dial, interface })
     };
-    [Dial::Points, Dial::Bins, Dial::Radii]
-        .into_iter()
-        .filter_map(of)
-        .collect()
+    let mut found = Vec::new();
+    // Other points take longest: their surface is another one too.
+    for (dial, done) in [(Dial::Points, 0.65), (Dial::Bins, 0.95), (Dial::Radii, 1.0)] {
+        found.extend(of(dial));
+        told(done)?;
+    }
+    Ok(found)
 }
 
 /// An interface in its static state.

@@ -393,6 +393,8 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
             if self.limits.stops() {
                 return fail(Reason::Interrupted, history);
             }
+            self.limits
+                .done((history[0] * goal.scale / merit).ln() / (history[0] * goal.scale / target).ln());
             if iteration == settings.max_iterations {
                 return fail(or_unbalanced(Reason::IterationLimit), history);
             }

@@ -58,6 +58,22 @@ pub fn solve<'a, F: HystereticForce>(
     solve_after(&force.initial_state(), stiffness, force, load, start, settings)
 }
 
+/// As [`solve`], within limits of time; the part that is done follows the decrease of the residual.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_within<'a, F: HystereticForce>(
+    limits: Limits<'_>,
+    stiffness: impl Into<SystemMatrixRef<'a>>,
+    force: &F,
+    load: &[f64],
+    start: &[f64],
+    settings: &NewtonSettings,
+) -> Result<Result<Prestress<F::State>, Failure>, Error> {
+    let history = force.initial_state();
+    solve_from(&history, stiffness.into(), force, load, start, (settings, limits))
+}
+
 /// As [`solve`], of a structure that has a `history` already: friction of earlier static states, committed. The
 /// load is the whole one, not its change.
 ///
@@ -71,7 +87,18 @@ pub fn solve_after<'a, F: HystereticForce>(
     start: &[f64],
     settings: &NewtonSettings,
 ) -> Result<Result<Prestress<F::State>, Failure>, Error> {
-    let stiffness = stiffness.into();
+    let limits = Limits::default();
+    solve_from(history, stiffness.into(), force, load, start, (settings, limits))
+}
+
+fn solve_from<F: HystereticForce>(
+    history: &F::State,
+    stiffness: SystemMatrixRef<'_>,
+    force: &F,
+    load: &[f64],
+    start: &[f64],
+    settings: (&NewtonSettings, Limits<'_>),
+) -> Result<Result<Prestress<F::State>, Failure>, Error> {
     let n = stiffness.size();
     check_size("the static load", load.len(), n)?;
     check_size("the starting guess", start.len(), n)?;
@@ -213,7 +240,7 @@ fn search<F: HystereticForce>(
     rest: &[f64],
     start: &[f64],
     loading: Loading,
-    settings: &NewtonSettings,
+    (settings, limits): (&NewtonSettings, Limits<'_>),
     work: &mut Work,
 ) -> Result<Result<Solved<F::State>, Lost>, Error> {
     let n = stiffness.size();
@@ -248,12 +275,13 @@ fn search<F: HystereticForce>(
         reference: &zero,
         reference_force: rest,
         round_off: stuck.round_off(force.pattern(), &start[..nc], &contact),
-        limits: Limits::default(),
+        limits,
     };
     let sequence = Sequence::<F>::new(force, guess, history.clone());
     let mut path = Path::new(equilibrium, &unit, 1.0, (LinearSolver::Krylov, *settings), sequence);
     let mut counts = RegimeCounts::default();
     for (stage, sticking) in [Sticking::Full, Sticking::Coulomb].into_iter().enumerate() {
+        path.equilibrium.limits = limits.of_part(stage, 2);
         path.sticking = sticking;
         path.residual = 0.0;
         let before = path.sequence.effort.iterations;

@@ -2,12 +2,22 @@
 
 use std::fmt;
 
-/// What long work may take: by default all the time and memory it needs. Work that is stopped, or would need more memory, ends in an error or
-/// a status and leaves nothing half done.
+/// What long work may take, by default all the time and memory it needs, and who hears how far it is. Work that is stopped, or would need more
+/// memory, ends in an error or a status and leaves nothing half done.
 #[derive(Clone, Copy, Default)]
 pub struct Limits<'a> {
     stop: Option<&'a (dyn Fn() -> bool + Sync)>,
     memory: Option<u64>,
+    heard: Option<Heard<'a>>,
+}
+
+/// Who hears of work that is a part of all.
+#[derive(Clone, Copy)]
+struct Heard<'a> {
+    by: &'a (dyn Fn(f64) + Sync),
+    /// What is done before it, and its share.
+    before: f64,
+    share: f64,
 }
 
 impl<'a> Limits<'a> {
@@ -22,6 +32,48 @@ impl<'a> Limits<'a> {
     #[must_use]
     pub fn within(self, memory: Option<u64>) -> Self {
         Self { memory, ..self }
+    }
+
+    /// The same work, which tells from any of its threads what part of it is done, from 0 to 1.
+    #[must_use]
+    pub fn heard_by(self, by: &'a (dyn Fn(f64) + Sync)) -> Self {
+        let heard = Heard {
+            by,
+            before: 0.0,
+            share: 1.0,
+        };
+        Self {
+            heard: Some(heard),
+            ..self
+        }
+    }
+
+    /// For work that takes the whole from the part `begin` that is done to the part `end`.
+    #[must_use]
+    pub fn part(self, begin: f64, end: f64) -> Self {
+        let part = |heard: Heard<'a>| Heard {
+            before: heard.before + heard.share * begin,
+            share: heard.share * (end - begin),
+            ..heard
+        };
+        Self {
+            heard: self.heard.map(part),
+            ..self
+        }
+    }
+
+    /// For one of `count` equal parts, which follow one another.
+    #[must_use]
+    pub fn of_part(self, number: usize, count: usize) -> Self {
+        let place = |number: usize| number as f64 / count.max(1) as f64;
+        self.part(place(number), place(number + 1))
+    }
+
+    /// Tells that a part of the work is done, from 0 to 1.
+    pub fn done(&self, part: f64) {
+        if let Some(heard) = &self.heard {
+            (heard.by)(heard.before + heard.share * part.clamp(0.0, 1.0));
+        }
     }
 
     /// Whether to end now.
@@ -40,5 +92,24 @@ impl fmt::Debug for Limits<'_> {
         f.debug_struct("Limits")
             .field("memory", &self.memory)
             .finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Limits;
+    use std::sync::Mutex;
+
+    #[test]
+    fn parts_of_parts_are_told_as_parts_of_all() {
+        let told = Mutex::new(Vec::new());
+        let hear = |done: f64| told.lock().unwrap().push(done);
+        let all = Limits::default().heard_by(&hear);
+        let second = all.part(0.5, 1.0);
+        second.done(0.5);
+        second.part(0.0, 0.5).done(0.5);
+        second.done(7.0);
+        assert_eq!(*told.lock().unwrap(), [0.75, 0.625, 1.0]);
+        Limits::default().part(0.5, 1.0).done(0.5);
     }
 }

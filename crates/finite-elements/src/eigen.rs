@@ -108,7 +108,9 @@ pub fn lowest_modes_within(
     }
     let sigma = shift(stiffness, mass);
     let vectors = (size_of::<f64>() * n * krylov_limit(n_elastic + 8, 0, n)) as u64;
-    let factor = SparseCholesky::of_sum(stiffness, sigma, mass, positions, "shifted stiffness", vectors, limits)?;
+    let beside = (vectors, solves(n_elastic + 8));
+    let (factor, limits) =
+        SparseCholesky::of_sum(stiffness, sigma, mass, positions, "shifted stiffness", beside, limits)?;
     // The estimate of what has converged within a subspace may be too good. Then a larger one is needed.
     let mut least = 0;
     loop {
@@ -257,6 +259,11 @@ fn all_modes(stiffness: &CsMat<f64>, mass: &CsMat<f64>, n_elastic: usize) -> Res
     Ok(modes)
 }
 
+/// Solves that the `wanted` lowest modes usually take: those of the subspace, of one more inverse iteration, and of the residuals.
+fn solves(wanted: usize) -> usize {
+    4 * wanted + 2 * BLOCK
+}
+
 /// Most vectors of a subspace for the `wanted` lowest modes of `n`.
 fn krylov_limit(wanted: usize, least: usize, n: usize) -> usize {
     (6 * wanted + 60).max(least).min(n)
@@ -288,6 +295,7 @@ fn krylov_basis(
         }
         factor.solve_in_place(block.as_mut());
         krylov.follow(block.ncols());
+        limits.done(krylov.size() as f64 / solves(wanted).max(krylov.size() + wanted) as f64);
     }
     // The zero-energy modes dominate the projected operator, and its round-off mixes the higher modes with their
     // neighbours: keep those too, and let the Rayleigh-Ritz step with the true stiffness part them.

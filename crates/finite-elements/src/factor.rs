@@ -21,12 +21,16 @@ use faer::{Mat, MatMut, MatRef};
 use rayon::prelude::*;
 use sprs::CsMat;
 use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Right-hand sides solved together: wide enough to run at the speed of dense products, small enough to stay in cache.
 pub const BLOCK: usize = 64;
 
 /// Columns of the factor that are stored together: what stands above the diagonal of a wider front would be stored as zeros.
 const PANEL: usize = 256;
+
+/// Operations of a factorisation that take as long as solving for one column with an entry of the factor.
+const SOLVING: f64 = 20.0;
 
 /// Subtrees of at most this part of the factor's entries are solved by one thread each.
 const SUBTREE: usize = 16;
@@ -145,23 +149,26 @@ impl SparseCholesky {
         Ok(factor)
     }
 
-    /// Factors `stiffness + sigma mass`, for work that takes memory `beside` it (bytes).
+    /// Factors `stiffness + sigma mass`, for work that takes memory `beside` it (bytes) and then solves for `solves` columns; its limits are given too.
     ///
     /// # Errors
     /// As [`Self::try_new`]; [`Error::Memory`], [`Error::Interrupted`].
-    pub(crate) fn of_sum(
+    pub(crate) fn of_sum<'a>(
         stiffness: &CsMat<f64>,
         sigma: f64,
         mass: &CsMat<f64>,
         positions: &[[f64; 3]],
         name: &'static str,
-        beside: u64,
-        limits: Limits<'_>,
-    ) -> Result<Self, Error> {
+        (beside, solves): (u64, usize),
+        limits: Limits<'a>,
+    ) -> Result<(Self, Limits<'a>), Error> {
         // The elimination has what it needs of the sum, which would be in the way of the factor.
         let elimination = Elimination::new(&[&sum(stiffness, sigma, mass)], positions, &Groups::none(), &[]);
         elimination.refuse_too_large(beside, name, limits)?;
-        Ok(elimination.run(name, limits)?.0)
+        let (own, entries) = elimination.work();
+        let share = own / (own + SOLVING * entries * solves as f64);
+        let factor = elimination.run(name, limits.part(0.0, share))?.0;
+        Ok((factor, limits.part(share, 1.0)))
     }
 
     /// Factors a matrix whose rows `held` are coupled to no others.
@@ -466,15 +473,42 @@ impl Elimination {
         (size_of::<f64>() * peak + (size_of::<f64>() + size_of::<usize>()) * entries) as u64
     }
 
+    /// Rows of a part and, as far as is expected, rows beyond it.
+    fn sizes(&self, number: usize) -> [f64; 2] {
+        let beyond = &self.beyond[number];
+        let below = match &self.grouping {
+            Some(grouping) => grouping.expected(number, beyond),
+            None => beyond.len(),
+        };
+        [self.dissection.parts[number].rows.len() as f64, below as f64]
+    }
+
+    /// Floating-point operations that it takes, and entries of the factor.
+    fn work(&self) -> (f64, f64) {
+        let sizes = (0..self.beyond.len()).map(|number| self.sizes(number));
+        sizes.fold((0.0, 0.0), |(work, entries), sizes| {
+            let [own, below] = sizes;
+            (
+                work + operations(sizes, self.matrices.len()).iter().sum::<f64>(),
+                entries + own * (0.5 * own + below),
+            )
+        })
+    }
+
     /// The factor, and what is left on the kept rows.
     fn run(&self, name: &'static str, limits: Limits<'_>) -> Result<(SparseCholesky, Option<Update>), Error> {
+        let tally = Tally {
+            limits,
+            all: self.work().0,
+            done: AtomicU64::new(0),
+        };
         let parts = &self.dissection.parts;
         let n_kept = self.matrices[0].rows() - self.dissection.order.len();
         let order = self.dissection.order.iter().map(|row| row - n_kept).collect();
         let (fronts, left) = match parts.len() {
             0 => (Vec::new(), None),
             n_parts => {
-                let (fronts, left) = self.eliminate(n_parts - 1, name, limits)?;
+                let (fronts, left) = self.eliminate(n_parts - 1, name, &tally)?;
                 (fronts, Some(left))
             }
         };
@@ -486,23 +520,15 @@ impl Elimination {
         &self,
         number: usize,
         name: &'static str,
-        limits: Limits<'_>,
+        tally: &Tally<'_>,
     ) -> Result<(Vec<Vec<Front>>, Update), Error> {
-        // Between the large products of a front too, as the last fronts are most of the work.
-        let go_on = || {
-            if limits.stops() {
-                Err(Error::Interrupted)
-            } else {
-                Ok(())
-            }
-        };
-        go_on()?;
+        tally.add(0.0)?;
         let part = &self.dissection.parts[number];
         let rows = part.rows.clone();
         let eliminated: Vec<_> = part
             .children
             .par_iter()
-            .map(|&child| self.eliminate(child, name, limits))
+            .map(|&child| self.eliminate(child, name, tally))
             .collect();
         let (mut fronts, mut children, mut done) = (Vec::new(), Vec::with_capacity(eliminated.len()), Vec::new());
         for child in eliminated {
@@ -519,8 +545,10 @@ impl Elimination {
             // Joints may see more of one another than was expected.
             let (own, below) = (rows.len(), beyond.len());
             let needed = (size_of::<f64>() * self.matrices.len() * (own + below) * (own + below)) as u64;
-            refuse_beyond(needed, name, limits)?;
+            refuse_beyond(needed, name, tally.limits)?;
         }
+        let [factor, solve, product, follow_up, momentum, twice] =
+            operations([rows.len() as f64, beyond.len() as f64], self.matrices.len());
         let n = self.dissection.order.len();
         let Blocks {
             own,
@@ -535,11 +563,12 @@ impl Elimination {
             },
             other => other.into(),
         })?;
-        go_on()?;
+        // Between the large products of a front too, as the last fronts are most of the work.
+        tally.add(factor)?;
         solve_lower(lower.as_ref(), below.transpose_mut());
-        go_on()?;
+        tally.add(solve)?;
         add_product_lower(update.as_mut(), below.as_ref(), below.transpose(), -1.0);
-        go_on()?;
+        tally.add(product)?;
         let mut matrices = vec![update];
         if self.matrices.len() > 1 {
             let mut mass = self.assemble(1, &rows, &beyond, &mut children);
@@ -547,12 +576,13 @@ impl Elimination {
             // The rows follow those beyond by follow^T: their momentum, and that of the rows beyond, is felt there.
             let mut follow = below.clone();
             solve_lower_transposed(lower.as_ref(), follow.transpose_mut());
-            go_on()?;
+            tally.add(follow_up)?;
             add_product(mass.below.as_mut(), follow.as_ref(), mass.own.as_ref(), -0.5);
-            go_on()?;
+            tally.add(momentum)?;
             add_product_lower(mass.update.as_mut(), follow.as_ref(), mass.below.transpose(), -1.0);
-            go_on()?;
+            tally.add(0.5 * twice)?;
             add_product_lower(mass.update.as_mut(), mass.below.as_ref(), follow.transpose(), -1.0);
+            tally.add(0.5 * twice)?;
             matrices.push(mass.update);
         }
         // Right-hand sides do not reach the kept rows.
@@ -612,6 +642,42 @@ impl Elimination {
             }
         }
         Blocks { own, below, update }
+    }
+}
+
+/// Floating-point operations of a front with `own` rows and `below` them others: factor, the rows below, what is left there; with a mass also its static
+/// displacements, their momentum, and what that leaves.
+fn operations([own, below]: [f64; 2], n_matrices: usize) -> [f64; 6] {
+    let solve = own * own * below;
+    let product = own * below * below;
+    let mass = if n_matrices > 1 { 1.0 } else { 0.0 };
+    [
+        own * own * own / 3.0,
+        solve,
+        product,
+        mass * solve,
+        mass * 2.0 * solve,
+        mass * 2.0 * product,
+    ]
+}
+
+/// Operations of an elimination that are done.
+struct Tally<'a> {
+    limits: Limits<'a>,
+    all: f64,
+    done: AtomicU64,
+}
+
+impl Tally<'_> {
+    /// Tells that so many more are, and whether to go on.
+    fn add(&self, operations: f64) -> Result<(), Error> {
+        let more = operations as u64;
+        let done = more + self.done.fetch_add(more, Ordering::Relaxed);
+        self.limits.done(done as f64 / self.all.max(1.0));
+        match self.limits.stops() {
+            true => Err(Error::Interrupted),
+            false => Ok(()),
+        }
     }
 }
 

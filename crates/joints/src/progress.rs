@@ -15,6 +15,8 @@ pub enum Stage {
     Reduce,
     /// From surface to traction laws.
     Characterise,
+    /// The same with other numbers of its settings, which errors of the settings follow from (skipped without loops).
+    Comparisons,
     /// Static equilibrium.
     Prestress,
     /// Linearised modes.
@@ -35,6 +37,8 @@ pub enum Stage {
     Shock,
     /// A motion followed in time (skipped when none is asked for).
     Transient,
+    /// Displacements of the bodies, and the error of their mesh (skipped when neither is asked for).
+    Bodies,
 }
 
 impl Stage {
@@ -46,6 +50,7 @@ impl Stage {
             Stage::Factor => "factor",
             Stage::Reduce => "reduce",
             Stage::Characterise => "characterise",
+            Stage::Comparisons => "comparisons",
             Stage::Prestress => "prestress",
             Stage::Modes => "modes",
             Stage::Backbone => "backbone",
@@ -56,6 +61,7 @@ impl Stage {
             Stage::Ensemble => "ensemble",
             Stage::Shock => "shock",
             Stage::Transient => "transient",
+            Stage::Bodies => "bodies",
         }
     }
 }
@@ -73,8 +79,21 @@ pub struct Amplitude {
     pub damping_ratio: Option<f64>,
 }
 
+/// What a stage to come is expected to take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Expected {
+    /// So many seconds on a usual computer: what counts is their ratio to those of other stages.
+    Seconds(f64),
+    /// So many times what another stage takes.
+    Times(f64, Stage),
+    /// There is no telling.
+    Unknown,
+}
+
 /// Receives the progress of a run; calls may come from several threads.
 pub trait Progress: Sync {
+    /// A stage is to come. Stages that are not told of may come too, and one that is told of may be skipped.
+    fn expect(&self, _stage: Stage, _expected: Expected) {}
     /// A stage begins.
     fn begin(&self, _stage: Stage) {}
     /// Part of the current stage that is done, from 0 to 1.
@@ -124,5 +143,48 @@ pub struct Quiet<'a>(pub &'a dyn Progress);
 impl Progress for Quiet<'_> {
     fn interrupted(&self) -> bool {
         self.0.interrupted()
+    }
+}
+
+/// Shows work as a part of a stage: its own stages are not shown, but for loops.
+pub struct Within<'a> {
+    progress: &'a dyn Progress,
+    stage: Stage,
+    part: [f64; 2],
+}
+
+impl<'a> Within<'a> {
+    /// Work between these two parts of a stage, from 0 to 1.
+    pub fn new(progress: &'a dyn Progress, stage: Stage, part: [f64; 2]) -> Self {
+        Self { progress, stage, part }
+    }
+
+    /// Tells what of the work is done, from 0 to 1.
+    pub fn done(&self, part: f64) {
+        let [begin, end] = self.part;
+        self.progress.fraction(self.stage, begin + (end - begin) * part);
+    }
+
+    /// A part of this work.
+    #[must_use]
+    pub fn part(&self, begin: f64, end: f64) -> Self {
+        let place = |part: f64| self.part[0] + (self.part[1] - self.part[0]) * part;
+        Self::new(self.progress, self.stage, [place(begin), place(end)])
+    }
+}
+
+impl Progress for Within<'_> {
+    fn fraction(&self, stage: Stage, done: f64) {
+        if stage == Stage::Backbone {
+            self.done(done);
+        }
+    }
+
+    fn note(&self, text: &str) {
+        self.progress.note(text);
+    }
+
+    fn interrupted(&self) -> bool {
+        self.progress.interrupted()
     }
 }

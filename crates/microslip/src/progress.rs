@@ -4,13 +4,14 @@ use crate::text;
 use anyhow::Result;
 use host::StageTimes;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use joints::progress::{Amplitude, Progress, Stage};
+use joints::progress::{Amplitude, Expected, Progress, Stage};
 use serde::Serialize;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Parts of a bar.
@@ -139,14 +140,24 @@ struct Screen {
     bar: Option<ProgressBar>,
     /// When progress was told last.
     told: Mutex<Option<Instant>>,
+    left: Arc<Mutex<Left>>,
+}
+
+/// Seconds that were left, and when.
+type Left = Option<(Instant, f64)>;
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Screen {
     fn new(display: Display) -> Result<Self> {
+        let left = Arc::default();
         Ok(Self {
             display,
-            bar: display.has_bar().then(progress_bar).transpose()?,
+            bar: display.has_bar().then(|| progress_bar(&left)).transpose()?,
             told: Mutex::default(),
+            left,
         })
     }
 
@@ -155,23 +166,24 @@ impl Screen {
             bar.reset();
             bar.set_prefix(stage.to_owned());
         }
-        *self.told.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        *lock(&self.told) = None;
         self.tell(&Event::Begin { stage });
     }
 
-    fn fraction(&self, stage: &str, done: f64) {
-        let fraction = done.clamp(0.0, 1.0);
+    /// Tells what is done of a stage, and what is `left` of all (s) if that is known.
+    fn fraction(&self, stage: &str, fraction: f64, left: impl FnOnce() -> Option<f64>) {
         if let Some(bar) = &self.bar {
             bar.set_position((fraction * STEPS) as u64);
-            return;
         }
-        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut told = lock(&self.told);
         if told.is_none_or(|told| told.elapsed() >= BETWEEN) {
             *told = Some(Instant::now());
+            let seconds_left = left();
+            *lock(&self.left) = seconds_left.map(|left| (Instant::now(), left));
             self.tell(&Event::Progress {
                 stage,
                 fraction,
-                seconds_left: None,
+                seconds_left,
             });
         }
     }
@@ -191,15 +203,16 @@ impl Screen {
     }
 }
 
-/// A bar with an estimate.
-fn progress_bar() -> Result<ProgressBar> {
+/// A bar with what is left of all.
+fn progress_bar(left: &Arc<Mutex<Left>>) -> Result<ProgressBar> {
     let bar = ProgressBar::with_draw_target(Some(STEPS as u64), ProgressDrawTarget::stderr());
     let style = ProgressStyle::with_template("{prefix:>12} [{bar:40}] {percent:>3} %  {elapsed}{left}")?;
-    // Before the first sign of progress there is nothing to estimate from.
-    let left = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
-        if state.pos() > 0 {
+    let left = Arc::clone(left);
+    let left = move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
+        if let Some((then, left)) = *lock(&left) {
+            let left = Duration::from_secs_f64(left).saturating_sub(then.elapsed());
             // Whether there is room to write is the display's affair.
-            let _ = write!(out, ", about {} left", HumanDuration(state.eta()));
+            let _ = write!(out, ", about {} left of all", HumanDuration(left));
         }
     };
     bar.set_style(style.with_key("left", left).progress_chars("=> "));
@@ -245,13 +258,19 @@ impl Monitor {
 }
 
 impl Progress for Monitor {
+    fn expect(&self, stage: Stage, expected: Expected) {
+        self.times.expect(stage, expected);
+    }
+
     fn begin(&self, stage: Stage) {
         self.screen.begin(stage.name());
         self.times.begin(stage);
+        self.fraction(stage, 0.0);
     }
 
     fn fraction(&self, stage: Stage, done: f64) {
-        self.screen.fraction(stage.name(), done);
+        let done = self.times.fraction(stage, done);
+        self.screen.fraction(stage.name(), done, || self.times.left());
     }
 
     fn amplitude(&self, found: &Amplitude) {
@@ -290,6 +309,8 @@ impl Progress for Monitor {
 pub struct Bar {
     screen: Screen,
     name: &'static str,
+    began: Instant,
+    is_over: AtomicBool,
 }
 
 impl Bar {
@@ -300,7 +321,12 @@ impl Bar {
     pub fn new(name: &'static str, display: Display) -> Result<Self> {
         let screen = Screen::new(display)?;
         screen.begin(name);
-        Ok(Self { screen, name })
+        Ok(Self {
+            screen,
+            name,
+            began: Instant::now(),
+            is_over: AtomicBool::new(false),
+        })
     }
 
     /// Whether lines are all that a person sees of it.
@@ -311,7 +337,13 @@ impl Bar {
 
     /// Tells what is done, from 0 to 1.
     pub fn fraction(&self, done: f64) {
-        self.screen.fraction(self.name, done);
+        let done = done.clamp(0.0, 1.0);
+        self.screen.fraction(self.name, done, || self.left(done));
+    }
+
+    /// Seconds that are left at the pace so far.
+    pub fn left(&self, done: f64) -> Option<f64> {
+        (done > 0.0).then(|| self.began.elapsed().as_secs_f64() * (1.0 / done - 1.0))
     }
 
     /// Shows a line that stays.
@@ -322,5 +354,12 @@ impl Bar {
     /// Ends the display.
     pub fn finish(&self) {
         self.screen.finish();
+        // What a person sees at the end of a study are its counts.
+        if self.screen.display.json && !self.is_over.swap(true, Ordering::Relaxed) {
+            self.screen.tell(&Event::End {
+                stage: self.name,
+                seconds: self.began.elapsed().as_secs_f64(),
+            });
+        }
     }
 }

@@ -1,15 +1,17 @@
 //! What a study writes: tables, the resolved plan, and a page with pictures.
 
 use crate::Error;
-use crate::design::Column;
+use crate::design::{Column, Kind};
 use crate::store::Store;
 use crate::study::Study;
 use crate::table::{CSV, Table};
-use analyses::variants::{Curve, Reading};
+use analyses::variants::{Curve, Reading, VariantPoint};
 use reports::Output;
+use reports::cases::{Amplitude, Cases, Factor, interactions, main_effects};
 use reports::findings::{Findings, FindingsPage, Section};
 use reports::html::{Picture, Table as HtmlTable};
 use reports::parameters::{Axis, parallel, response_surface};
+use serde_json::Value;
 
 /// Name of the plan as it was understood.
 const PLAN: &str = "plan.json";
@@ -17,11 +19,22 @@ const PLAN: &str = "plan.json";
 /// Name of the page.
 const REPORT: &str = "report.html";
 
-/// Names of the pictures: all parameters, then frequency and damping against two of them.
-const PICTURES: [&str; 3] = ["parallel.svg", "frequency.svg", "damping.svg"];
+/// Names of the pictures: backbones by parameter, main effects, frequency and damping against two parameters, and all parameters.
+const PICTURES: [&str; 5] = [
+    "backbones.svg",
+    "effects.svg",
+    "frequency.svg",
+    "damping.svg",
+    "parallel.svg",
+];
+
+/// Most cases that are better read from backbones than from parallel coordinates.
+const FEW: usize = 10;
 
 /// A case of the plan at the amplitude of the pictures.
 struct Drawn {
+    /// Its number in the plan, from 0 on.
+    number: usize,
     parameters: Vec<Option<f64>>,
     frequency: f64,
     damping: Option<f64>,
@@ -59,11 +72,12 @@ pub fn outputs(study: &Study<'_>, store: &Store, facts: &[(String, String)]) -> 
                 false => "The table results.csv holds every case, mode and amplitude.",
             },
             pictures: Vec::new(),
-            table: facts,
+            tables: vec![(String::new(), facts)],
             remark: String::new(),
         }),
     }];
     let curves = curves(study, store);
+    let cases = cases(study, &curves);
     let drawn = amplitude(study, &curves).map(|amplitude| (amplitude, drawn(study, &curves, amplitude)));
     let mut pictures = Vec::new();
     let of_cases;
@@ -75,7 +89,7 @@ pub fn outputs(study: &Study<'_>, store: &Store, facts: &[(String, String)]) -> 
                 drawn.len(),
                 study.of_plan.len()
             );
-            pictures = self::pictures(study, drawn)?;
+            pictures = self::pictures(study, drawn, &cases)?;
             let shown = pictures.iter().map(|(name, svg, caption)| {
                 outputs.push(Output::new(*name, svg.as_bytes()));
                 Picture {
@@ -88,10 +102,12 @@ pub fn outputs(study: &Study<'_>, store: &Store, facts: &[(String, String)]) -> 
                 title: "Frequency and damping against the parameters",
                 inputs: &of_cases,
                 findings: Ok(Findings {
-                    judgement: "Lines and fields are cases; their colour is the quantity that the bar names.",
+                    judgement: "",
                     pictures: shown.collect(),
-                    table: extremes(drawn),
-                    remark: "Damping below its floor is left out.".into(),
+                    tables: tables(study, drawn),
+                    remark: "On the diagonal: from the lower to the upper half of a parameter's range. Beside it: how half of that effect grows from the lower \
+                             to the upper half of another parameter's range (two-factor interaction). Damping below its floor is left out."
+                        .into(),
                 }),
             });
         }
@@ -108,6 +124,7 @@ pub fn outputs(study: &Study<'_>, store: &Store, facts: &[(String, String)]) -> 
         introduction: "Hysteresis loops of many variants of one scene.",
         warning: None,
         sections,
+        cases: (!cases.parameters.is_empty()).then(|| cases.thinned()),
     };
     let page = page.html()?;
     drop(pictures);
@@ -134,12 +151,87 @@ fn amplitude(study: &Study<'_>, curves: &[Option<Curve>]) -> Option<f64> {
     last.map(|point| point.response_displacement).reduce(f64::min)
 }
 
+/// The backbones of all cases that have one, with what varies among them.
+fn cases(study: &Study<'_>, curves: &[Option<Curve>]) -> Cases {
+    let known: Vec<(usize, &Curve)> = curves
+        .iter()
+        .enumerate()
+        .filter_map(|(number, curve)| Some((number, curve.as_ref()?)))
+        .collect();
+    let numbers: Vec<usize> = known.iter().map(|(number, _)| *number).collect();
+    let amplitude = |point: &VariantPoint| Amplitude {
+        amplitude_m: point.response_displacement,
+        frequency_hz: point.frequency_hz,
+        damping_ratio: point.damping_ratio,
+    };
+    Cases {
+        parameters: factors(study, &numbers),
+        backbones: known
+            .iter()
+            .map(|(_, curve)| curve.points.iter().map(amplitude).collect())
+            .collect(),
+        numbers: numbers.iter().map(|number| number + 1).collect(),
+    }
+}
+
+/// What varies among cases of these numbers.
+fn factors(study: &Study<'_>, numbers: &[usize]) -> Vec<Factor> {
+    let values: Vec<Vec<Option<&Value>>> = numbers.iter().map(|number| study.design.values(*number)).collect();
+    let factor = |(k, column): (usize, &Column)| {
+        let of_case = |values: &Vec<Option<&Value>>| values.get(k).copied().flatten().cloned();
+        let given: Vec<Option<Value>> = values.iter().map(of_case).collect();
+        let mut labels: Vec<String> = Vec::new();
+        let values = match column.kind {
+            Kind::Text => {
+                let mut place = |value: &Value| {
+                    let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+                    let known = labels.iter().position(|label| *label == text);
+                    known.unwrap_or_else(|| {
+                        labels.push(text);
+                        labels.len() - 1
+                    }) as f64
+                };
+                given.iter().map(|value| value.as_ref().map(&mut place)).collect()
+            }
+            Kind::Number | Kind::Quantity(_) => given
+                .iter()
+                .map(|value| column.number(value.as_ref()?))
+                .collect::<Vec<_>>(),
+        };
+        let name = column.heading();
+        Factor { name, values, labels }
+    };
+    let several = |factor: &Factor| {
+        let mut known = factor.values.iter().flatten();
+        let first = known.next();
+        known.any(|value| Some(value) != first)
+    };
+    study.columns().iter().enumerate().map(factor).filter(several).collect()
+}
+
+/// Extremes of frequency and damping, and what pairs of parameters do to them.
+fn tables(study: &Study<'_>, drawn: &[Drawn]) -> Vec<(String, HtmlTable)> {
+    let numbers: Vec<usize> = drawn.iter().map(|case| case.number).collect();
+    let factors = factors(study, &numbers);
+    let mut tables = vec![(String::new(), extremes(drawn))];
+    let values: [(&str, Vec<Option<f64>>); 2] = [
+        ("frequency", drawn.iter().map(|case| Some(case.frequency)).collect()),
+        ("damping", drawn.iter().map(|case| case.damping).collect()),
+    ];
+    for (name, values) in values.iter().filter(|_| !factors.is_empty()) {
+        let heading = format!("Effects on the {name}, relative to its mean");
+        tables.push((heading, interactions(&factors, values)));
+    }
+    tables
+}
+
 fn drawn(study: &Study<'_>, curves: &[Option<Curve>], amplitude: f64) -> Vec<Drawn> {
     let case = |(number, curve): (usize, &Option<Curve>)| {
         let [frequency, damping] = curve.as_ref()?.at(Reading::Secant, amplitude)?;
         let values = study.design.values(number);
         let parameters = study.columns().iter().zip(values);
         Some(Drawn {
+            number,
             parameters: parameters.map(|(column, value)| column.number(value?)).collect(),
             frequency,
             damping: damping.is_finite().then_some(damping),
@@ -160,7 +252,7 @@ fn varies(drawn: &[Drawn], column: usize) -> bool {
 /// Name, picture and caption.
 type Named = (&'static str, String, String);
 
-fn pictures(study: &Study<'_>, drawn: &[Drawn]) -> Result<Vec<Named>, Error> {
+fn pictures(study: &Study<'_>, drawn: &[Drawn], cases: &Cases) -> Result<Vec<Named>, Error> {
     let columns: Vec<(usize, &Column)> = study
         .columns()
         .iter()
@@ -175,18 +267,22 @@ fn pictures(study: &Study<'_>, drawn: &[Drawn]) -> Result<Vec<Named>, Error> {
         |&(k, column): &(usize, &Column)| axis(column.heading(), &|case| case.parameters.get(k).copied().flatten());
     let frequency = || axis("frequency [Hz]".into(), &|case| Some(case.frequency));
     let damping = || axis("damping ratio [-]".into(), &|case| case.damping);
-    let [all, of_frequency, of_damping] = PICTURES;
-    let mut axes: Vec<Axis> = columns.iter().map(of_parameter).collect();
-    axes.extend([damping(), frequency()]);
-    let (svg, lines) = parallel(&axes)?;
-    let mut pictures = vec![(
-        all,
-        svg,
-        format!(
-            "Each line is a case ({lines} of {}); its colour is its frequency.",
-            drawn.len()
-        ),
-    )];
+    let [backbones, effects, of_frequency, of_damping, all] = PICTURES;
+    let mut pictures = Vec::new();
+    if !cases.parameters.is_empty() {
+        let caption = "Backbones of the cases, once for each parameter, whose value is the colour.".to_owned();
+        pictures.push((backbones, cases.backbones()?, caption));
+        let numbers: Vec<usize> = drawn.iter().map(|case| case.number).collect();
+        let quantities = [
+            drawn.iter().map(|case| Some(case.frequency)).collect(),
+            drawn.iter().map(|case| case.damping).collect(),
+        ];
+        let factors = factors(study, &numbers);
+        if !factors.is_empty() {
+            let caption = "Main effects: means over the cases at each value of a parameter.".to_owned();
+            pictures.push((effects, main_effects(&factors, &quantities)?, caption));
+        }
+    }
     if let [first, second, others @ ..] = columns.as_slice() {
         // Of further parameters, the middle one of their values.
         let middle: Vec<(usize, f64, String)> = others
@@ -232,6 +328,14 @@ fn pictures(study: &Study<'_>, drawn: &[Drawn]) -> Result<Vec<Named>, Error> {
             let svg = response_surface(&shown(of_parameter(first)), &shown(of_parameter(second)), &shown(of))?;
             pictures.push((name, svg, caption(what)));
         }
+    }
+    if drawn.len() > FEW {
+        let mut axes: Vec<Axis> = columns.iter().map(of_parameter).collect();
+        axes.extend([damping(), frequency()]);
+        let (svg, lines) = parallel(&axes)?;
+        let count = drawn.len();
+        let caption = format!("Each line is a case ({lines} of {count}); its colour is its frequency.");
+        pictures.push((all, svg, caption));
     }
     Ok(pictures)
 }

@@ -44,6 +44,7 @@ pub fn full_modes(
 ) -> Result<Modes, Error> {
     let parts = Parts::of(system, interface);
     modes_of_whole(&parts, n, |part, n| {
+        let limits = limits.of_part(part, parts.len());
         // What is not needed any more would be in the way of the factor.
         let (mut stiffness, mass, positions) = match parts.system(part) {
             Cow::Borrowed(own) => (
@@ -131,7 +132,7 @@ pub fn stuck_modes(system: &RelativeSystem, n: usize, tolerance: f64, limits: Li
     modes_of_whole(&parts, n, |part, n| {
         let own = parts.system(part);
         let (size, nd) = (own.stiffness.rows(), own.n_relative);
-        let mut modes = modes_of_rest(own, n, tolerance, limits)?;
+        let mut modes = modes_of_rest(own, n, tolerance, limits.of_part(part, parts.len()))?;
         let mut shapes = Mat::zeros(size, modes.shapes.ncols());
         shapes.subrows_mut(nd, size - nd).copy_from(&modes.shapes);
         modes.shapes = shapes;

@@ -31,6 +31,12 @@ const SEEN: f64 = 1e-2;
 /// Relative distance of eigenvalues whose modes are turned together.
 const EQUAL: f64 = 2e-4;
 
+/// Share of the time of finding displacements that the modes of the stuck structure take.
+const MODES: f64 = 0.7;
+
+/// Share of the time of condensing and what follows that condensing takes.
+const CONDENSING: f64 = 0.8;
+
 /// What to retain and what to expect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -193,17 +199,18 @@ impl ReducedModel {
     }
 }
 
-/// Parts of a reduction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How far a reduction is; what is done of a step is between 0 and 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
-    /// The modes of the stuck structure.
-    Factor,
-    /// Condensing onto the jump.
-    Stream,
+    /// This much of the modes of the stuck structure is done.
+    Modes(f64),
+    /// The modes are found.
+    Condensing,
+    /// This much of condensing onto the jump is done.
+    Condensed(f64),
 }
 
-/// Reduces a system; `rows` are quantities to recover, each over `[jump; rest]`; `progress` hears how much of a step is
-/// done, from 0 to 1; `limits` are asked at each front and block of vectors.
+/// Reduces a system; `rows` are quantities to recover, each over `[jump; rest]`; `progress` hears how far it is; `limits` are asked at each front and block of vectors.
 ///
 /// # Errors
 /// [`Error::ZeroEnergyModes`] with both numbers, [`Error::UnbalancedLoad`], [`Error::DependentLoad`] with attachment
@@ -212,7 +219,7 @@ pub fn reduce(
     system: &RelativeSystem,
     rows: &[Vec<f64>],
     settings: Settings,
-    progress: &mut dyn FnMut(Step, f64),
+    progress: &(dyn Fn(Step) + Sync),
     limits: Limits<'_>,
 ) -> Result<ReducedModel, Error> {
     reduce_parts(&parts_of(system, settings), rows, settings, progress, limits)
@@ -233,10 +240,14 @@ fn reduce_parts(
     parts: &Parts<'_>,
     rows: &[Vec<f64>],
     settings: Settings,
-    progress: &mut dyn FnMut(Step, f64),
+    progress: &(dyn Fn(Step) + Sync),
     limits: Limits<'_>,
 ) -> Result<ReducedModel, Error> {
-    let stuck = stuck_modes(parts, settings, progress, limits)?;
+    let hear = |done| progress(Step::Modes(done));
+    let stuck = stuck_modes(parts, settings, limits.heard_by(&hear))?;
+    progress(Step::Condensing);
+    let hear = |done| progress(Step::Condensed(done));
+    let limits = limits.heard_by(&hear);
     let retained = retained(&stuck, settings.n_modes);
     let zem_stuck = stuck.iter().map(|modes| modes.n_zero).sum();
     let mut stuck_frequencies: Vec<f64> = stuck.iter().flat_map(Modes::frequencies).collect();
@@ -249,10 +260,11 @@ fn reduce_parts(
         let system = parts.system(part);
         let acting = acting_loads(parts, part, settings);
         let kept = kept(&system, settings);
-        let (supported, condensed) = Supported::condense(&system, stuck.zero_energy(), &kept, limits)?;
+        let own = limits.of_part(part, parts.len());
+        let (supported, condensed) =
+            Supported::condense(&system, stuck.zero_energy(), &kept, own.part(0.0, CONDENSING))?;
         let basis = Basis::try_new(&system, supported, &stuck, retained[part], &acting)?;
         drop(stuck);
-        progress(Step::Stream, 0.8 * (part + 1) as f64 / parts.len() as f64);
         reduced.push(ReducedPart::try_new(basis, condensed, &parts.onto(part, rows))?);
     }
     let nd = parts.of_whole().n_relative;
@@ -316,7 +328,7 @@ fn reduce_parts(
             (stiffness.into(), mass.into())
         }
     };
-    progress(Step::Stream, 1.0);
+    limits.done(1.0);
     Ok(ReducedModel {
         mass,
         stiffness,
@@ -354,17 +366,11 @@ fn sum_over_jump<'a>(parts: impl Iterator<Item = (Mat<f64>, &'a JumpPlaces)>, nd
 }
 
 /// The modes of each part with a stuck interface; as many without energy as expected, and in equilibrium with all loads.
-fn stuck_modes(
-    parts: &Parts<'_>,
-    settings: Settings,
-    progress: &mut dyn FnMut(Step, f64),
-    limits: Limits<'_>,
-) -> Result<Vec<Modes>, Error> {
+fn stuck_modes(parts: &Parts<'_>, settings: Settings, limits: Limits<'_>) -> Result<Vec<Modes>, Error> {
     let stuck = modes_of_parts(parts, settings.n_reported.max(settings.n_modes), |part, n| {
+        let limits = limits.of_part(part, parts.len());
         let modes = modes_of_rest(parts.system(part), n, settings.mode_tolerance, limits)?;
-        if part + 1 < parts.len() {
-            progress(Step::Factor, (part + 1) as f64 / parts.len() as f64);
-        }
+        limits.done(1.0);
         Ok(modes)
     })?;
     let found = stuck.iter().map(|modes| modes.n_zero).sum();
@@ -379,7 +385,6 @@ fn stuck_modes(
             check_equilibrium(index, &load[load.len() - modes.shapes.nrows()..], modes)?;
         }
     }
-    progress(Step::Factor, 1.0);
     Ok(stuck)
 }
 
@@ -521,7 +526,7 @@ impl ReducedPart {
 /// Displacements over `[jump; rest]` in motions of a reduced model, which are the columns of `motions`.
 ///
 /// The basis is not part of the model: it is found again, without attachment modes in less time than by the reduction. `system`, `rows` and `settings` are those that
-/// `model` was made of; it may have been truncated since.
+/// `model` was made of; it may have been truncated since. The `limits` are asked, and hear how much is done.
 ///
 /// # Errors
 /// As [`reduce`]; [`Error::OtherModel`] if what `rows` recover from the displacements is not what the model recovers.
@@ -531,9 +536,10 @@ pub fn displacements(
     settings: Settings,
     model: &ReducedModel,
     motions: MatRef<'_, f64>,
+    limits: Limits<'_>,
 ) -> Result<Mat<f64>, Error> {
     let parts = parts_of(system, settings);
-    let found = displacements_of_parts(&parts, settings, model, motions)?;
+    let found = displacements_of_parts(&parts, settings, model, motions, limits)?;
     let recovered = product(model.recovery.as_ref(), motions);
     for (i, row) in rows.iter().enumerate() {
         for (j, motion) in found.col_iter().enumerate() {
@@ -559,13 +565,15 @@ fn displacements_of_parts(
     settings: Settings,
     model: &ReducedModel,
     motions: MatRef<'_, f64>,
+    limits: Limits<'_>,
 ) -> Result<Mat<f64>, Error> {
-    let stuck = stuck_modes(parts, settings, &mut |_, _| (), Limits::default())?;
+    let stuck = stuck_modes(parts, settings, limits.part(0.0, MODES))?;
     let retained = retained(&stuck, settings.n_modes);
     let systems: Vec<_> = (0..parts.len()).map(|part| parts.system(part)).collect();
     let bases = systems.iter().enumerate().map(|(part, system)| {
         let acting = acting_loads(parts, part, settings);
-        let (zero_energy, limits) = (stuck[part].zero_energy(), Limits::default());
+        let zero_energy = stuck[part].zero_energy();
+        let limits = limits.part(MODES, 1.0).of_part(part, parts.len());
         let supported = match acting.is_empty() {
             true => Supported::try_new(system, zero_energy, limits)?,
             // Signs of attachment modes follow from static responses, which must be those of the reduction to the last bit.

@@ -12,6 +12,7 @@ use finite_elements::sparse::{multiply_vector, numbering, submatrix};
 use reduction::{
     Error, Hold, InterfacePairs, Limits, ReducedModel, RelativeSystem, Settings, Step, SystemMatrices, checks, reduce,
 };
+use std::sync::atomic::{AtomicBool, Ordering};
 
 struct Lap {
     assembly: Assembly,
@@ -153,7 +154,7 @@ fn reduced_spectra_converge_to_the_full_ones_with_the_modes_retained() {
                 n_reported: 10,
                 ..Settings::default()
             };
-            let reduced = reduce(&relative, &[], settings, &mut |_, _| {}, Limits::default()).unwrap();
+            let reduced = reduce(&relative, &[], settings, &|_| {}, Limits::default()).unwrap();
             assert_eq!(reduced.zem_stuck, 6);
             assert!(reduced.asymmetry < 1e-8, "{}", reduced.asymmetry);
             let mut worst = 0.0_f64;
@@ -197,7 +198,7 @@ fn reduced_spectra_converge_to_the_full_ones_with_the_modes_retained() {
 fn matrices_over_the_jump_are_those_of_the_static_responses() {
     use dense_algebra::{cholesky, product, solve_lower, solve_lower_transposed};
     let (_, relative) = relative(&lap());
-    let reduced = reduce(&relative, &[], Settings::default(), &mut |_, _| {}, Limits::default()).unwrap();
+    let reduced = reduce(&relative, &[], Settings::default(), &|_| {}, Limits::default()).unwrap();
     let (n, nd) = (relative.stiffness.rows(), relative.n_relative);
     let dense = |a: &sprs::CsMat<f64>| faer::Mat::from_fn(n, n, |i, j| a.get(i, j).copied().unwrap_or(0.0));
     let (k, m) = (dense(&relative.stiffness), dense(&relative.mass));
@@ -258,7 +259,7 @@ fn static_response_of_the_jump_is_exact() {
         &relative,
         &[row.clone()],
         Settings::default(),
-        &mut |_, _| {},
+        &|_| {},
         Limits::default(),
     )
     .unwrap();
@@ -337,7 +338,7 @@ fn wrong_number_of_zero_energy_modes_and_unbalanced_loads_are_refused() {
         expected_zem: 5,
         ..Settings::default()
     };
-    let error = reduce(&relative_system, &[], settings, &mut |_, _| {}, Limits::default()).unwrap_err();
+    let error = reduce(&relative_system, &[], settings, &|_| {}, Limits::default()).unwrap_err();
     assert!(
         matches!(error, Error::ZeroEnergyModes { found: 6, expected: 5 }),
         "{error}"
@@ -345,14 +346,7 @@ fn wrong_number_of_zero_energy_modes_and_unbalanced_loads_are_refused() {
     let mut pushed = lap();
     pushed.assembly.loads[0].terms.truncate(1);
     let (_, relative_system) = relative(&pushed);
-    let error = reduce(
-        &relative_system,
-        &[],
-        Settings::default(),
-        &mut |_, _| {},
-        Limits::default(),
-    )
-    .unwrap_err();
+    let error = reduce(&relative_system, &[], Settings::default(), &|_| {}, Limits::default()).unwrap_err();
     assert!(matches!(error, Error::UnbalancedLoad { .. }), "{error}");
 }
 
@@ -386,7 +380,7 @@ fn a_jump_that_is_fixed_stays_as_a_coordinate_that_nothing_moves() {
         n_modes: 80,
         ..Settings::default()
     };
-    let reduced = reduce(&relative_system, &[], settings, &mut |_, _| {}, Limits::default()).unwrap();
+    let reduced = reduce(&relative_system, &[], settings, &|_| {}, Limits::default()).unwrap();
     let springs = |i: usize| if held.contains(&i) { 0.0 } else { 1e8 };
     let springs = diagonal(&(0..relative_system.n_relative).map(springs).collect::<Vec<_>>());
     let small = checks::reduced_spectrum(&reduced, &springs, 12).unwrap().frequencies;
@@ -529,7 +523,7 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
         worst
     };
     let errors = [5, 20, 80].map(|n_modes| {
-        let reduced = reduce(&relative, &[], attached(n_modes), &mut |_, _| {}, Limits::default()).unwrap();
+        let reduced = reduce(&relative, &[], attached(n_modes), &|_| {}, Limits::default()).unwrap();
         assert_eq!(reduced.size(), relative.n_relative + n_modes + 2);
         let locked = reduced.locked().unwrap();
         assert_eq!(locked.size(), relative.n_relative + n_modes);
@@ -538,7 +532,7 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
             attachment_modes: false,
             ..attached(n_modes)
         };
-        let direct = reduce(&held, &[], direct, &mut |_, _| {}, Limits::default()).unwrap();
+        let direct = reduce(&held, &[], direct, &|_| {}, Limits::default()).unwrap();
         (worst(&locked), worst(&direct))
     });
     // The last of 22 modes taken for attachment modes: the flexibility at the loads is missing.
@@ -549,7 +543,7 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
             attachment_modes: false,
             ..attached(22)
         },
-        &mut |_, _| {},
+        &|_| {},
         Limits::default(),
     )
     .unwrap();
@@ -571,7 +565,7 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
 fn one_load_held_and_one_given_is_the_system_with_the_first_eliminated() {
     let (_, relative) = relative(&bolted());
     let nd = relative.n_relative;
-    let reduced = reduce(&relative, &[], attached(8), &mut |_, _| {}, Limits::default()).unwrap();
+    let reduced = reduce(&relative, &[], attached(8), &|_| {}, Limits::default()).unwrap();
     let compliance = reduced.load_compliance().unwrap();
     let (held, tension) = (3e-6, 2e3);
     let system = compliance
@@ -581,7 +575,7 @@ fn one_load_held_and_one_given_is_the_system_with_the_first_eliminated() {
     let mut first = relative.clone();
     first.loads.truncate(1);
     let eliminated = first.locked().unwrap();
-    let direct = reduce(&eliminated, &[], Settings::default(), &mut |_, _| {}, Limits::default()).unwrap();
+    let direct = reduce(&eliminated, &[], Settings::default(), &|_| {}, Limits::default()).unwrap();
     let (of_direct, of_system) = (entries(&direct.stiffness), entries(&system.stiffness));
     let size = (0..nd).map(|i| of_direct[(i, i)]).fold(0.0, f64::max);
     for j in 0..nd {
@@ -623,7 +617,7 @@ fn one_load_held_and_one_given_is_the_system_with_the_first_eliminated() {
         let own = (0..nd).map(|j| of_system[(i, j)] * jump[j]).sum::<f64>() - system.load[i];
         assert!((elastic - load - own).abs() < 1e-9 * size * 1e-6, "{i}");
     }
-    let without = reduce(&relative, &[], Settings::default(), &mut |_, _| {}, Limits::default()).unwrap();
+    let without = reduce(&relative, &[], Settings::default(), &|_| {}, Limits::default()).unwrap();
     assert!(matches!(
         without.load_compliance(),
         Err(Error::NoAttachmentModes { .. })
@@ -638,24 +632,11 @@ fn statics_of_the_locked_model_are_those_of_the_locked_system() {
     let mut over_independent = vec![0.0; system.n_dofs()];
     over_independent[7] = 1.0;
     let rows = |of: &RelativeSystem| [of.row(&over_independent)];
-    let locked = reduce(
-        &relative,
-        &rows(&relative),
-        attached(8),
-        &mut |_, _| {},
-        Limits::default(),
-    )
-    .unwrap()
-    .locked()
-    .unwrap();
-    let direct = reduce(
-        &held,
-        &rows(&held),
-        Settings::default(),
-        &mut |_, _| {},
-        Limits::default(),
-    )
-    .unwrap();
+    let locked = reduce(&relative, &rows(&relative), attached(8), &|_| {}, Limits::default())
+        .unwrap()
+        .locked()
+        .unwrap();
+    let direct = reduce(&held, &rows(&held), Settings::default(), &|_| {}, Limits::default()).unwrap();
     let nd = relative.n_relative;
     let jump = |m: &faer::Mat<f64>| m.submatrix(0, 0, nd, nd).to_owned();
     for (name, a, b) in [
@@ -744,7 +725,7 @@ fn a_locked_shank_is_one_whose_overlap_is_held() {
         expected.iter().zip(&free).any(|(a, b)| a / b > 1.001),
         "{expected:?} {free:?}"
     );
-    let reduced = reduce(&loaded, &[], attached(60), &mut |_, _| {}, Limits::default()).unwrap();
+    let reduced = reduce(&loaded, &[], attached(60), &|_| {}, Limits::default()).unwrap();
     let of = |model: &ReducedModel| checks::reduced_spectrum(model, &penalty, 4).unwrap().frequencies;
     for (found, full) in [(of(&reduced), &free), (of(&reduced.locked().unwrap()), &expected)] {
         for (a, b) in full.iter().zip(found) {
@@ -768,8 +749,8 @@ fn attachment_modes_complete_the_compliance_at_the_loads() {
     let held = [a[0], a[1], a[2], b[0], b[2], c[0]];
     let kept: Vec<usize> = (0..n).filter(|i| !held.contains(i)).collect();
     let positions: Vec<[f64; 3]> = kept.iter().map(|&i| relative.positions[i]).collect();
-    let with = reduce(&relative, &[], attached(20), &mut |_, _| {}, Limits::default()).unwrap();
-    let without = reduce(&relative, &[], Settings::default(), &mut |_, _| {}, Limits::default()).unwrap();
+    let with = reduce(&relative, &[], attached(20), &|_| {}, Limits::default()).unwrap();
+    let without = reduce(&relative, &[], Settings::default(), &|_| {}, Limits::default()).unwrap();
     for springs in [1e6, 1e8] {
         let mut triplets = sprs::TriMat::new((n, n));
         (0..nd).for_each(|i| triplets.add_triplet(i, i, springs));
@@ -798,7 +779,7 @@ fn attachment_modes_complete_the_compliance_at_the_loads() {
 #[test]
 fn locking_is_refused_without_attachment_modes_and_for_dependent_loads() {
     let (_, bolts) = relative(&bolted());
-    let plain = reduce(&bolts, &[], Settings::default(), &mut |_, _| {}, Limits::default()).unwrap();
+    let plain = reduce(&bolts, &[], Settings::default(), &|_| {}, Limits::default()).unwrap();
     assert!(matches!(
         plain.locked(),
         Err(Error::NoAttachmentModes {
@@ -817,7 +798,7 @@ fn locking_is_refused_without_attachment_modes_and_for_dependent_loads() {
             matches!(error, Error::DependentLoad { load: l } if l == load),
             "{error}"
         );
-        let error = reduce(system, &[], attached(20), &mut |_, _| {}, Limits::default()).unwrap_err();
+        let error = reduce(system, &[], attached(20), &|_| {}, Limits::default()).unwrap_err();
         assert!(
             matches!(error, Error::DependentLoad { load: l } if l == load),
             "{error}"
@@ -837,13 +818,14 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
         y
     };
     for (settings, kept) in [(Settings::default(), 20), (attached(12), 12), (attached(12), 7)] {
-        let mut model = reduce(&relative, &rows, settings, &mut |_, _| {}, Limits::default()).unwrap();
+        let mut model = reduce(&relative, &rows, settings, &|_| {}, Limits::default()).unwrap();
         model.truncate(kept);
         // No entry is like another.
         let coordinates =
             |model: &ReducedModel| faer::Mat::from_fn(model.size(), 3, |i, j| 1e-6 * ((1 + i * (7 + j)) as f64).sin());
         let motions = coordinates(&model);
-        let found = reduction::displacements(&relative, &rows, settings, &model, motions.as_ref()).unwrap();
+        let found =
+            reduction::displacements(&relative, &rows, settings, &model, motions.as_ref(), Limits::default()).unwrap();
         assert_eq!(found.subrows(0, nd), motions.subrows(0, nd));
         for (name, full, reduced) in [
             ("stiffness", &relative.stiffness, entries(&model.stiffness)),
@@ -868,7 +850,9 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
             of_model
                 .subrows_mut(nd, basis.nrows())
                 .copy_from(product(basis.as_ref(), motions.as_ref()));
-            let found = reduction::displacements(&relative, &rows, settings, &model, of_model.as_ref()).unwrap();
+            let found =
+                reduction::displacements(&relative, &rows, settings, &model, of_model.as_ref(), Limits::default())
+                    .unwrap();
             for load in &relative.loads {
                 for motion in found.col_iter() {
                     let [work, size] = motion.iter().zip(load).fold([0.0_f64; 2], |[work, size], (u, f)| {
@@ -886,9 +870,16 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
             assert!(error < 1e-9, "{error:.1e}");
         }
         // Another system, and another number of modes.
-        let other = reduce(&relative, &rows, attached(9), &mut |_, _| {}, Limits::default()).unwrap();
+        let other = reduce(&relative, &rows, attached(9), &|_| {}, Limits::default()).unwrap();
         let motions = coordinates(&other);
-        let refused = reduction::displacements(&relative, &rows, Settings::default(), &other, motions.as_ref());
+        let refused = reduction::displacements(
+            &relative,
+            &rows,
+            Settings::default(),
+            &other,
+            motions.as_ref(),
+            Limits::default(),
+        );
         assert!(matches!(refused, Err(Error::OtherModel { .. })), "{refused:?}");
     }
 }
@@ -1007,10 +998,12 @@ fn without_symmetry(lap: &Lap, system: &System) -> RelativeSystem {
 
 /// The reduced model, and in how many parts it was found.
 fn reduced_in_parts(relative: &RelativeSystem, rows: &[Vec<f64>], settings: Settings) -> (ReducedModel, usize) {
-    let mut parts = 0;
-    let mut count = |step, _| parts += usize::from(step == Step::Factor);
-    let model = reduce(relative, rows, settings, &mut count, Limits::default());
-    (model.unwrap(), parts)
+    let is_half_done = AtomicBool::new(false);
+    let hear = |step| {
+        is_half_done.fetch_or(step == Step::Modes(0.5), Ordering::Relaxed);
+    };
+    let model = reduce(relative, rows, settings, &hear, Limits::default());
+    (model.unwrap(), 1 + usize::from(is_half_done.into_inner()))
 }
 
 #[test]
@@ -1054,7 +1047,8 @@ fn symmetric_and_antisymmetric_parts_make_the_whole() {
     }
     // Motions of both parts together.
     let motions = faer::Mat::from_fn(found.size(), 2, |i, j| 1e-6 * ((1 + i * (3 + j)) as f64).sin());
-    let moved = reduction::displacements(&relative, &rows, settings, &found, motions.as_ref()).unwrap();
+    let moved =
+        reduction::displacements(&relative, &rows, settings, &found, motions.as_ref(), Limits::default()).unwrap();
     for (name, full, reduced) in [
         ("stiffness", &relative.stiffness, entries(&found.stiffness)),
         ("mass", &relative.mass, entries(&found.mass)),

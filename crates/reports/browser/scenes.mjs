@@ -117,7 +117,20 @@ export function lap() {
 /** Scenes of which amplitudes do not converge. */
 export const INCOMPLETE = new Set(["failed", "several"]);
 
+/** What scenes are run with. */
+export const ARGUMENTS = { uncertain: ["--samples", "20"] };
+
+/** Six cases of two parameters. */
+export const STUDY = {
+  scene: beam({ analyses: { backbone: { amplitudes: 5, vertices_per_quarter: 2 } } }),
+  parameters: { "/interfaces/mu": { values: [0.1, 0.2, 0.3] }, "/interfaces/gap": { values: ["flat", "measured"] } },
+};
+
 export const SCENES = {
+  uncertain: beam({
+    analyses: { backbone: { amplitudes: 4, vertices_per_quarter: 2 }, sensitivities: ["interfaces.mu", "bolts.load"] },
+    uncertain: { parameters: { "interfaces.mu": { normal: { sd: 0.02 } } } },
+  }),
   plain: beam({ analyses: { backbone: { amplitudes: 8, vertices_per_quarter: 4, methods: ["rqnma"] }, epmc: { harmonics: 3 } } }),
   single: beam({ analyses: { backbone: { amplitudes: 1, amplitude_from: 1e-4, amplitude_to: 1e-4, vertices_per_quarter: 2 } } }),
   failed: beam({ analyses: { backbone: { amplitudes: 2, vertices_per_quarter: 1, amplitude_to: 1e6 } } }),

@@ -8,7 +8,7 @@ import { execFileSync, spawn, spawnSync } from "node:child_process";
 import fs from "node:fs";
 import path from "node:path";
 import { chromium } from "playwright-core";
-import { INCOMPLETE, SCENES, bridge } from "./scenes.mjs";
+import { ARGUMENTS, INCOMPLETE, SCENES, STUDY, bridge } from "./scenes.mjs";
 
 const { CHROMIUM } = process.env;
 const [program, folder, ...further] = process.argv.slice(2).map((argument) => path.resolve(argument));
@@ -26,7 +26,7 @@ function compute() {
   fs.writeFileSync(path.join(folder, "bridge.msh"), bridge());
   for (const [name, scene] of Object.entries(SCENES)) {
     fs.writeFileSync(path.join(folder, `${name}.json`), JSON.stringify(scene));
-    const run = spawnSync(program, ["run", `${name}.json`, "--out", name, "--overwrite"], { cwd: folder, encoding: "utf8" });
+    const run = spawnSync(program, ["run", `${name}.json`, "--out", name, "--overwrite", ...ARGUMENTS[name] ?? []], { cwd: folder, encoding: "utf8" });
     assert(run.status === (INCOMPLETE.has(name) ? 3 : 0), `${name}: ${run.stderr}`);
   }
 }
@@ -312,6 +312,59 @@ await check("mode shapes can be chosen", async () => {
   assert(!before.equals(await canvas.screenshot()));
   assert(fs.statSync(file).size < LARGEST);
   assert.deepEqual([errors, requests()], [[], []]);
+});
+await check("cases of a study can be looked at one by one", async () => {
+  fs.writeFileSync(path.join(folder, "plan.json"), JSON.stringify(STUDY));
+  execFileSync(program, ["study", "plan.json", "--out", "study", "--overwrite"], { cwd: folder, stdio: "ignore" });
+  const file = path.join(folder, "study/report.html");
+  assert(fs.statSync(file).size < LARGEST);
+  const began = Date.now();
+  const { page, errors, requests } = await open(browser, file);
+  assert(Date.now() - began < 1300, "it takes more than a second to load");
+  const told = page.locator("#live-cases .told");
+  const slider = page.locator("#live-cases input[type=range]");
+  assert.equal(await slider.getAttribute("max"), "5");
+  assert.match(await told.innerText(), /Case 1 .*mu: 0.1.*gap: flat/);
+  const charts = page.locator("#live-cases canvas");
+  const before = await charts.first().screenshot();
+  await slider.focus();
+  await page.keyboard.press("End");
+  assert.match(await told.innerText(), /Case 6 .*mu: 0.3.*gap: measured/);
+  assert(!before.equals(await charts.first().screenshot()), "the slider changes no curve");
+  const colours = await charts.first().screenshot();
+  await choose(page, "#live-cases", "Colour by", "1");
+  assert(!colours.equals(await charts.first().screenshot()), "the parameter changes no colour");
+  assert.match(await page.locator("#live-cases .legend").innerText(), /flat\s+measured/);
+  // A click on a curve chooses its case: on the point of the case that is shown the readout names it.
+  await page.locator("#live-cases .chart").first().focus();
+  await page.keyboard.press("ArrowRight");
+  assert.match(await page.locator("#live-cases .readout").first().innerText(), /case \d+ .*Hz/);
+  assert.equal(await page.getByText("relative to its mean").count(), 2);
+  assert.equal(await page.locator("figure svg").count(), 2, "few cases need no parallel coordinates");
+  const narrow = await open(browser, file, { viewport: { width: 400, height: 800 } });
+  const overflow = await narrow.page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+  assert(overflow <= 1, `${overflow} pixels too wide at 400`);
+  const still = await open(browser, file, { javaScriptEnabled: false });
+  assert.equal(await still.page.locator("figure svg").first().isVisible(), true);
+  assert.equal(await still.page.locator("#live-cases").isVisible(), false);
+  assert.deepEqual([...errors, ...narrow.errors], []);
+  assert.deepEqual(requests(), []);
+});
+await check("bands of uncertain inputs are drawn about the curve", async () => {
+  const { page, errors } = await open(browser, path.join(folder, "uncertain/report.html"));
+  const bands = await page.evaluate(() => JSON.parse(document.getElementById("data").textContent).modes[0].bands);
+  assert(bands.length >= 3 && bands.every((band) => band.frequency_hz[0] < band.frequency_hz[2]), JSON.stringify(bands));
+  // Shades of the colour of the curve that no line has.
+  const shaded = await page.locator("#live-curves canvas").first().evaluate((canvas) => {
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) {
+      count += data[i + 3] > 40 && data[i + 3] < 60 ? 1 : 0;
+    }
+    return count;
+  });
+  assert(shaded > 200, `${shaded} pixels are shaded`);
+  assert.deepEqual(errors, []);
 });
 await check("runs are shown beside each other", async () => {
   const server = spawn(program, ["view", "plain", "several", "--no-open"], { cwd: folder });

@@ -12,7 +12,10 @@ use scenes::Scene;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The backbone of one mode, with what went wrong.
+/// Most lines of an analysis beside the backbones that are printed where not all is.
+const FEW: usize = 5;
+
+/// The backbone of one mode.
 fn table(out: &mut String, summary: &Summary) {
     let cell = |value: Option<f64>, format: &dyn Fn(f64) -> String| value.map_or_else(|| "-".into(), format);
     // Writing to a string cannot fail.
@@ -36,6 +39,10 @@ fn table(out: &mut String, summary: &Summary) {
                 .map_or_else(String::new, |reason| format!("  not converged: {reason}")),
         );
     }
+}
+
+/// What is missing of a backbone.
+fn shortcomings(out: &mut String, summary: &Summary) {
     let failed = summary.backbone.iter().filter(|b| !b.converged).count();
     if failed > 0 {
         let all = summary.backbone.len();
@@ -95,9 +102,9 @@ fn mesh_estimate(estimate: &MeshEstimate) -> String {
     out
 }
 
-/// What is printed at the end.
-pub fn account(summary: &Summary, scene: &Scene, directory: &Path) -> String {
-    let (mut out, name) = (String::new(), &scene.name);
+/// All that was found, apart from the answer.
+fn details(summary: &Summary, scene: &Scene) -> String {
+    let mut out = String::new();
     let cell = |value: Option<f64>, format: &dyn Fn(f64) -> String| value.map_or_else(|| "-".into(), format);
     for (mode, of_mode) in summary.by_mode() {
         // Writing to a string cannot fail.
@@ -148,6 +155,21 @@ pub fn account(summary: &Summary, scene: &Scene, directory: &Path) -> String {
     }
     if let Some(estimate) = &summary.mesh_estimate {
         out.push_str(&mesh_estimate(estimate));
+    }
+    out
+}
+
+/// What is printed at the end: the answer, what is missing of it, and where the rest is; all that was found before it if it shall be `verbose`.
+pub fn account(summary: &Summary, scene: &Scene, directory: &Path, verbose: bool) -> String {
+    let (mut out, name) = (String::new(), &scene.name);
+    if verbose {
+        out.push_str(&details(summary, scene));
+    } else {
+        let lines = ANALYSES.iter().map(|analysis| (analysis.lines)(summary));
+        out.extend(lines.filter(|lines| lines.trim().lines().count() <= FEW));
+    }
+    for (_, of_mode) in summary.by_mode() {
+        shortcomings(&mut out, &of_mode);
     }
     out.push_str(&answer::lines(summary));
     let total = summary.timings.get("total").copied().unwrap_or_default();

@@ -45,7 +45,7 @@ pub(crate) fn shown(summary: &Summary) -> Vec<Shown> {
     summary.answer.iter().map(of_mode).collect()
 }
 
-/// The answers as lines of a terminal.
+/// The answers as lines of a terminal, five at most for each mode.
 pub fn lines(summary: &Summary) -> String {
     let mut out = String::new();
     for answer in &summary.answer {
@@ -58,7 +58,13 @@ pub fn lines(summary: &Summary) -> String {
             intervals_of_frequency(answer),
             onset(answer)
         );
-        for one in &answer.damping {
+        // The first, the middle and the last of more.
+        let count = answer.damping.len();
+        let places = match count {
+            0..=3 => (0..count).collect(),
+            _ => vec![0, count / 2, count - 1],
+        };
+        for one in places.into_iter().map(|place| &answer.damping[place]) {
             let ratio = one.ratio.map_or_else(|| "below what can be resolved".into(), percent);
             let by_numbers = one
                 .interval
@@ -151,13 +157,18 @@ fn percent(ratio: f64) -> String {
     format!("{} %", digits(100.0 * ratio))
 }
 
-/// A length in the unit that suits it.
-fn length(length: f64) -> String {
-    let (unit, scale) = match length.abs() {
+/// The unit that suits a length (m), and its number in a metre.
+pub(crate) fn unit_of_length(length: f64) -> (&'static str, f64) {
+    match length.abs() {
         size if size < 0.9995e-6 => ("nm", 1e9),
         size if size < 0.9995e-3 => ("um", 1e6),
         _ => ("mm", 1e3),
-    };
+    }
+}
+
+/// A length in the unit that suits it.
+fn length(length: f64) -> String {
+    let (unit, scale) = unit_of_length(length);
     format!("{} {unit}", digits(scale * length))
 }
 

@@ -1,12 +1,13 @@
 //! A page of computed figures beside published ones, entry by entry.
 
 use crate::Error;
+use crate::cases::Cases;
 use crate::html::{Picture, Table, render};
+use crate::interactive::Live;
 use askama::Template;
 
 /// The page.
-#[derive(Clone, Debug, Template)]
-#[template(path = "findings.html")]
+#[derive(Clone, Debug)]
 pub struct FindingsPage<'a> {
     /// Heading.
     pub title: &'a str,
@@ -16,6 +17,18 @@ pub struct FindingsPage<'a> {
     pub warning: Option<&'a str>,
     /// Its entries.
     pub sections: Vec<Section<'a>>,
+    /// Cases that its reader may look at one by one.
+    pub cases: Option<Cases>,
+}
+
+#[derive(Template)]
+#[template(path = "findings.html")]
+struct Page<'a> {
+    title: &'a str,
+    introduction: &'a str,
+    warning: Option<&'a str>,
+    sections: &'a [Section<'a>],
+    live: Option<Live>,
 }
 
 /// An entry.
@@ -34,12 +47,12 @@ pub struct Section<'a> {
 /// What came of an entry.
 #[derive(Clone, Debug)]
 pub struct Findings<'a> {
-    /// What is to be made of the figures.
+    /// What is to be made of the figures; may be empty.
     pub judgement: &'a str,
     /// Its pictures.
     pub pictures: Vec<Picture<'a>>,
-    /// Its figures.
-    pub table: Table,
+    /// Its figures; each table has a heading, or none.
+    pub tables: Vec<(String, Table)>,
     /// A sentence below the table.
     pub remark: String,
 }
@@ -48,9 +61,15 @@ impl FindingsPage<'_> {
     /// The page, pictures included.
     ///
     /// # Errors
-    /// [`Error::Page`].
+    /// [`Error::Page`]; [`Error::Summary`] for cases that have no JSON.
     pub fn html(&self) -> Result<String, Error> {
-        render(self)
+        render(&Page {
+            title: self.title,
+            introduction: self.introduction,
+            warning: self.warning,
+            sections: &self.sections,
+            live: self.cases.as_ref().map(Live::cases).transpose()?,
+        })
     }
 }
 
@@ -68,10 +87,13 @@ mod tests {
                 svg: "<svg/>\n".into(),
                 caption: hostile.into(),
             }],
-            table: Table {
-                headings: vec![hostile.into(), "value".into()],
-                rows: vec![vec![hostile.into(), "1".into()]],
-            },
+            tables: vec![(
+                hostile.into(),
+                Table {
+                    headings: vec![hostile.into(), "value".into()],
+                    rows: vec![vec![hostile.into(), "1".into()]],
+                },
+            )],
             remark: hostile.into(),
         };
         let section = |findings| Section {
@@ -85,6 +107,7 @@ mod tests {
             introduction: hostile,
             warning: Some(hostile),
             sections: vec![section(Ok(found)), section(Err(hostile))],
+            cases: None,
         };
         let page = page.html().expect("a page");
         assert_eq!(markup::check(&page), Ok(()));

@@ -4,6 +4,7 @@ pub mod account;
 mod analysis;
 mod answer;
 pub mod bodies;
+pub mod cases;
 pub mod csv;
 pub mod elements;
 pub mod ensemble;

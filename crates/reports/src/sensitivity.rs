@@ -3,12 +3,12 @@
 use crate::analysis::{Analysis, Document, Section};
 use crate::csv::{number, optional, table};
 use crate::html::Picture;
-use crate::plot::{self, Curve, Marks, Panel};
+use crate::plot;
 use crate::styles::{self, COLOURS};
 use crate::{Error, Output};
 use analyses::results::summary::Summary;
 use analyses::{FoundBy, Per, Sensitivity};
-use plotters::prelude::SeriesLabelPosition;
+use plotters::prelude::*;
 use std::fmt::Write as _;
 
 /// Name of the table.
@@ -16,6 +16,12 @@ pub const TABLE: &str = "sensitivities.csv";
 
 /// Name of the picture.
 pub const PICTURE: &str = "sensitivities.svg";
+
+/// Most amplitudes that have bars.
+const AMPLITUDES: usize = 5;
+
+/// Height of a line of the legend (pixels).
+const LINE: u32 = 22;
 
 /// Numbers named at each amplitude.
 const NAMED: usize = 5;
@@ -105,7 +111,7 @@ fn by(of: &Sensitivity) -> &'static str {
     }
 }
 
-/// Logarithmic derivatives of frequency and damping against the modal amplitude, for the parameters that are not zero; none without any.
+/// Logarithmic derivatives of frequency and damping as bars, at a few amplitudes, for the parameters that are not zero; none without any.
 ///
 /// # Errors
 /// [`Error::Picture`].
@@ -115,45 +121,79 @@ pub fn picture(all: &[Sensitivity]) -> Result<Option<String>, Error> {
         .iter()
         .filter(|one| (one.mode, &one.method) == (first.mode, &first.method) && one.per == Per::Logarithm)
         .collect();
-    if drawn.is_empty() {
+    let known: Vec<usize> = (0..first.modal_amplitude.len())
+        .filter(|at| first.modal_amplitude[*at].is_some())
+        .collect();
+    if drawn.is_empty() || known.is_empty() {
         return Ok(None);
     }
-    let curves = |of: &dyn Fn(&Sensitivity) -> Vec<Option<f64>>, named: bool| -> Vec<Curve> {
-        let one = |(index, one): (usize, &&Sensitivity)| {
-            let pairs = one.modal_amplitude.iter().zip(of(one)).enumerate();
-            Curve {
-                name: if named {
-                    one.parameter.path().to_owned()
-                } else {
-                    String::new()
-                },
-                colour: COLOURS[index % COLOURS.len()],
-                dashes: (index >= COLOURS.len()).then_some((9, 5)),
-                marks: if index >= COLOURS.len() {
-                    Marks::None
-                } else {
-                    Marks::Dots
-                },
-                points: pairs.filter_map(|(at, (q, value))| Some((at, (*q)?, value?))).collect(),
-            }
+    // Equally spaced, the first and the last among them.
+    let count = known.len().min(AMPLITUDES);
+    let chosen: Vec<usize> = (0..count)
+        .map(|k| known[k * (known.len() - 1) / (count - 1).max(1)])
+        .collect();
+    let height = 300 + 300 + LINE * drawn.len() as u32 + 20;
+    let svg = plot::picture("sensitivities", (800, height), |root| {
+        let (legend, charts) = root.split_vertically(LINE * drawn.len() as u32 + 12);
+        for (place, one) in drawn.iter().enumerate() {
+            let top = (LINE as usize * place) as i32 + 8;
+            let colour = COLOURS[place % COLOURS.len()];
+            legend.draw(&Rectangle::new([(70, top), (98, top + 12)], colour.filled()))?;
+            let style = ("sans-serif", 15).into_text_style(&legend);
+            legend.draw(&Text::new(one.parameter.path().to_owned(), (106, top - 2), style))?;
+        }
+        let (upper, lower) = charts.split_vertically(300);
+        let modal = |at: f64| {
+            let place = chosen.get(at as usize).filter(|_| at.fract() == 0.0 && at >= 0.0)?;
+            first.modal_amplitude[*place]
         };
-        drawn.iter().enumerate().map(one).collect()
-    };
-    let panels = vec![
-        Panel {
-            y_label: "d ln(frequency) / d ln(parameter)",
-            log: false,
-            legend: SeriesLabelPosition::UpperLeft,
-            curves: curves(&|one| one.dln_frequency.clone(), true),
-        },
-        Panel {
-            y_label: "d ln(damping) / d ln(parameter)",
-            log: false,
-            legend: SeriesLabelPosition::LowerRight,
-            curves: curves(&|one| one.dln_damping.clone(), false),
-        },
-    ];
-    plot::stack("modal amplitude [sqrt(kg) m]", true, panels).map(Some)
+        type Values = fn(&Sensitivity) -> &Vec<Option<f64>>;
+        let quantities: [(_, &str, Values); 2] = [
+            (&upper, "change of frequency [%]", |one| &one.dln_frequency),
+            (&lower, "change of damping [%]", |one| &one.dln_damping),
+        ];
+        for (area, label, of) in quantities {
+            let values: Vec<&Vec<Option<f64>>> = drawn.iter().map(|one| of(one)).collect();
+            let shown = || {
+                values
+                    .iter()
+                    .flat_map(|all| chosen.iter().filter_map(|at| all.get(*at).copied().flatten()))
+            };
+            let range = plot::bounds(shown().chain([0.0])).unwrap_or(-1.0..1.0);
+            let text = plot::decimals(&plot::margin(&range));
+            let amplitude = |at: &f64| modal(*at).map_or_else(String::new, |q| format!("{q:.1e}"));
+            let mut chart = ChartBuilder::on(area)
+                .margin(10)
+                .set_label_area_size(LabelAreaPosition::Left, 78)
+                .set_label_area_size(LabelAreaPosition::Bottom, 44)
+                .build_cartesian_2d(-0.5..count as f64 - 0.5, plot::margin(&range))?;
+            chart
+                .configure_mesh()
+                .disable_x_mesh()
+                .light_line_style(TRANSPARENT)
+                .label_style(("sans-serif", 14))
+                .axis_desc_style(("sans-serif", 15))
+                .x_labels(2 * count + 1)
+                .x_label_formatter(&amplitude)
+                .y_label_formatter(&text)
+                .x_desc("modal amplitude [sqrt(kg) m]")
+                .y_desc(label)
+                .draw()?;
+            let width = 0.8 / drawn.len() as f64;
+            for (place, values) in values.iter().enumerate() {
+                for (group, at) in chosen.iter().enumerate() {
+                    let Some(value) = values.get(*at).copied().flatten() else {
+                        continue;
+                    };
+                    let left = group as f64 - 0.4 + width * place as f64;
+                    let corners = [(left, 0.0), (left + 0.9 * width, value)];
+                    chart.draw_series([Rectangle::new(corners, COLOURS[place % COLOURS.len()].filled())])?;
+                }
+            }
+        }
+        Ok(())
+    })?;
+    Ok(Some(svg))
 }
 
 /// What the picture shows.
@@ -161,7 +201,7 @@ fn caption(all: &[Sensitivity]) -> String {
     let of = all.first().map_or_else(String::new, |first| {
         format!(" of mode {} by {}", first.mode, styles::title(&first.method))
     });
-    format!("Change of frequency and damping{of} with each parameter, all logarithmic, at the same modal amplitude.")
+    format!("Change of frequency and damping{of} (%) for 1 % more of each parameter, at the same modal amplitude.")
 }
 
 /// The most influential parameters at every amplitude, for frequency and for damping, as a table in text.

@@ -9,6 +9,7 @@ use finite_elements::groups::Groups;
 use finite_elements::ordering::nested_dissection;
 use sprs::{CsMat, TriMat};
 use std::collections::BTreeSet;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Points of a box, three rows each, and a matrix that couples neighbours; `seed` varies its values.
@@ -368,6 +369,37 @@ fn work_beyond_its_limits_is_refused_before_it_is_done() {
         modes(Limits::default().within(Some(1))),
         Err(Error::Memory { .. })
     ));
+}
+
+#[test]
+fn what_is_done_is_told_and_changes_no_bit() {
+    let ((stiffness, positions), (mass, _)) = (block([20, 6, 5], 3), block([20, 6, 5], 8));
+    let told = Mutex::new(Vec::new());
+    let hear = |done: f64| told.lock().unwrap().push(done);
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let heard = |work: &(dyn Fn(Limits<'_>) + Sync)| -> Vec<f64> {
+        one_thread.install(|| work(Limits::default().heard_by(&hear)));
+        std::mem::take(&mut *told.lock().unwrap())
+    };
+    let condense = |limits: Limits<'_>| {
+        SparseCholesky::condense(&stiffness, &mass, &positions, &Groups::one(60), &[], "test", limits)
+            .unwrap()
+            .1
+    };
+    let silent = condense(Limits::default());
+    let done = heard(&|limits| {
+        let found = condense(limits);
+        assert!(found.stiffness == silent.stiffness && found.mass == silent.mass);
+    });
+    assert!(done.is_sorted() && done.len() > 30, "{}", done.len());
+    assert!((done.last().unwrap() - 1.0).abs() < 1e-3, "{:?}", done.last());
+    // Modes are a factorisation and solves.
+    let mass = CsMat::eye(positions.len());
+    let done = heard(&|limits| {
+        lowest_modes_within(limits, &stiffness, &mass, &positions, 3, 1e-6).unwrap();
+    });
+    assert!(done.is_sorted(), "{done:?}");
+    assert!((0.5..=1.0).contains(done.last().unwrap()), "{done:?}");
 }
 
 #[test]

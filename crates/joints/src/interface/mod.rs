@@ -28,7 +28,7 @@ pub use surface::{
 };
 
 use crate::Error;
-use crate::progress::Progress;
+use crate::progress::{Progress, Stage};
 use crate::store::Options;
 use contact_laws::{PointParameters, Sticking, TractionLaw};
 use dense_algebra::Limits;
@@ -268,6 +268,9 @@ impl PartLaw {
     }
 }
 
+/// Share of the laws of all parts in the time of building an interface.
+const LAWS: f64 = 0.4;
+
 impl SceneInterface {
     /// Builds laws and gaps; `parts` are those of `mesh`, none where it is one whole. `load` is the sum of the bolt loads (N), zero only
     /// for given parameters with a preload.
@@ -345,6 +348,8 @@ impl SceneInterface {
                         .symmetry
                         .operators(&mesh, scene.interfaces.points_per_direction)?;
                     let law = PartLaw::try_new(own, &mesh, Arc::new(operators), pressure, known_part(number), work)?;
+                    let done = (number + 1) as f64 / parts.len() as f64;
+                    work.progress.fraction(Stage::Characterise, LAWS * done);
                     let source = Some(part.source);
                     Ok((part.name.clone(), PartLaw { source, ..law }))
                 })

@@ -3,6 +3,7 @@
 use super::meshed::Meshed;
 use super::{StructuralModel, Structure};
 use crate::Error;
+use dense_algebra::Limits;
 use faer::{Mat, MatRef};
 use finite_elements::sparse::multiply_into;
 use joint_model::Bodies;
@@ -18,13 +19,14 @@ impl Structure {
         &self,
         model: &StructuralModel,
         motions: MatRef<'_, f64>,
+        limits: Limits<'_>,
     ) -> Result<Vec<Vec<[f64; 3]>>, Error> {
         let Bodies::Meshed(bodies) = &self.joint.bodies else {
             return Err(Error::NoMesh);
         };
         let meshed = Meshed::try_new(&self.joint, bodies)?;
         let rows = meshed.rows(bodies)?;
-        let over = reduction::displacements(&meshed.relative, &rows, self.settings, &model.reduced, motions)?;
+        let over = reduction::displacements(&meshed.relative, &rows, self.settings, &model.reduced, motions, limits)?;
         let independent = meshed.relative.displacements(over.as_ref());
         let transform = &meshed.system.dofs.transform;
         let mut all = Mat::zeros(transform.rows(), motions.ncols());

@@ -47,6 +47,12 @@ const MATRICES: usize = 10;
 /// Columns of the basis of a joint, if its coupling to others is of low rank: 40 to 220 were measured.
 const EXPECTED_RANK: usize = 128;
 
+/// Share of the frequencies of the full model in the time of all modes.
+const CHECKING: f64 = 0.4;
+
+/// Share of the reduction in the time of it and of its check.
+const REDUCING: f64 = 0.9;
+
 /// Residual of the modes of structures whose differences are wanted.
 const NEIGHBOUR_TOLERANCE: f64 = 1e-9;
 
@@ -73,21 +79,19 @@ impl Structure {
         progress.begin(Stage::Factor);
         // Before there is a reduced model, which would be in the way of its factors.
         let springs = self.springs(self.check_interface(), |_| true)?;
-        let full = self.frequencies_to_check(&assembled.relative, &springs, limits)?;
-        progress.fraction(Stage::Factor, 0.4);
+        let hear = |done| progress.fraction(Stage::Factor, CHECKING * done);
+        let full = self.frequencies_to_check(&assembled.relative, &springs, limits.heard_by(&hear))?;
         let mut reduced = reduce(
             &assembled.relative,
             &assembled.rows,
             self.settings,
-            &mut |step, done| match step {
-                Step::Factor => {
-                    progress.fraction(Stage::Factor, 0.4 + 0.6 * done);
-                    if done == 1.0 {
-                        progress.end(Stage::Factor);
-                        progress.begin(Stage::Reduce);
-                    }
+            &|step| match step {
+                Step::Modes(done) => progress.fraction(Stage::Factor, CHECKING + (1.0 - CHECKING) * done),
+                Step::Condensing => {
+                    progress.end(Stage::Factor);
+                    progress.begin(Stage::Reduce);
                 }
-                Step::Stream => progress.fraction(Stage::Reduce, 0.9 * done),
+                Step::Condensed(done) => progress.fraction(Stage::Reduce, REDUCING * done),
             },
             limits,
         )?;
@@ -107,8 +111,24 @@ impl Structure {
     /// # Errors
     /// [`Error::Memory`].
     fn refuse_too_large(&self, memory: Option<u64>) -> Result<(), Error> {
-        let coordinates = 3 * self.joint.interface.nodes.len() + self.settings.n_modes;
-        let entries: u64 = match (&self.joint.bodies, self.settings.coupling_tolerance) {
+        let needed = (MATRICES * size_of::<f64>()) as u64 * self.reduced_entries();
+        match memory {
+            Some(limit) if needed > limit => Err(Error::Memory {
+                coordinates: self.reduced_coordinates(),
+                needed,
+                limit,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    fn reduced_coordinates(&self) -> usize {
+        3 * self.joint.interface.nodes.len() + self.settings.n_modes
+    }
+
+    /// Numbers that a matrix of the reduced model has; those of blocks are an estimate.
+    pub fn reduced_entries(&self) -> u64 {
+        match (&self.joint.bodies, self.settings.coupling_tolerance) {
             (
                 Bodies::Meshed(MeshedBodies {
                     sides: Sides::Projected(parts),
@@ -120,16 +140,7 @@ impl Structure {
                 let sizes = parts.iter().map(|part| 3 * part.own.len()).chain([core]);
                 sizes.map(|size| (size as u64).pow(2)).sum()
             }
-            _ => (coordinates as u64).pow(2),
-        };
-        let needed = (MATRICES * size_of::<f64>()) as u64 * entries;
-        match memory {
-            Some(limit) if needed > limit => Err(Error::Memory {
-                coordinates,
-                needed,
-                limit,
-            }),
-            _ => Ok(()),
+            _ => (self.reduced_coordinates() as u64).pow(2),
         }
     }
 
@@ -180,7 +191,7 @@ impl Structure {
         };
         let stop = || progress.interrupted();
         let limits = Limits::default().until(&stop);
-        let mut reduced = reduce(&assembled.relative, &assembled.rows, settings, &mut |_, _| (), limits)?;
+        let mut reduced = reduce(&assembled.relative, &assembled.rows, settings, &|_| (), limits)?;
         reduced.align_with(model)?;
         Ok(reduced)
     }

@@ -44,6 +44,9 @@ pub struct Arguments {
     /// How the command shows what it does.
     #[command(flatten)]
     pub display: Display,
+    /// In the end print all that was found, and not the answer alone.
+    #[arg(long, conflicts_with = "json")]
+    verbose: bool,
     /// Of the analyses that the scene asks for, these alone, by their names in its block `analyses`; `modes` for none but the linearised
     /// modes about the prestress [default folder: results/NAME-FIRST].
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
@@ -162,7 +165,8 @@ pub fn run(given: &GivenScene, arguments: &Arguments, defaults: &Defaults) -> Re
     summary.provenance = Some(provenance);
     files::publish(folder, &outputs(&run, &summary)?)?;
     run.checkpoints.remove();
-    display.conclude(&directory, &summary.answer, &account(&summary, scene, &directory))?;
+    let text = account(&summary, scene, &directory, arguments.verbose);
+    display.conclude(&directory, &summary.answer, &text)?;
     let defects = check::defects(scene, &summary);
     for defect in &defects {
         display.warn(&format!("NOT SOUND, and `verify` will say so: {defect}"));

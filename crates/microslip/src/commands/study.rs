@@ -489,7 +489,7 @@ impl Machine for Here {
         let tenths = (10.0 * done) as usize;
         if self.bar.is_plain() && self.told.fetch_max(tenths, Ordering::Relaxed) < tenths {
             let seconds = self.seconds();
-            let left = if done > 0.0 { seconds * (1.0 / done - 1.0) } else { 0.0 };
+            let left = self.bar.left(done).unwrap_or_default();
             self.line(&format!(
                 "{:>3} % after {seconds:.0} s, about {left:.0} s left",
                 10 * tenths

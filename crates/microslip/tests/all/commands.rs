@@ -15,7 +15,7 @@ fn quick() -> &'static Path {
     static RUN: OnceLock<PathBuf> = OnceLock::new();
     RUN.get_or_init(|| {
         let folder = folder("quick");
-        let output = run(&folder, &["run", QUICK, "--threads", "2"]);
+        let output = run(&folder, &["run", QUICK, "--threads", "2", "--verbose"]);
         assert_eq!(exit_code(&output), 0, "{}", messages(&output));
         std::fs::write(folder.join("stdout"), &output.stdout).unwrap();
         std::fs::write(folder.join("stderr"), &output.stderr).unwrap();

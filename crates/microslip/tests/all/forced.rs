@@ -31,7 +31,7 @@ fn numbers(array: &Array) -> &[f64] {
 #[test]
 fn forced_responses_are_written_as_a_set_that_can_be_repeated() {
     let folder = scene("forced");
-    let arguments = ["run", "joint.json", "--only", "forced,epmc"];
+    let arguments = ["run", "joint.json", "--only", "forced,epmc", "--verbose"];
     let output = run(&folder, &arguments);
     assert_eq!(exit_code(&output), 0, "{}", messages(&output));
     let progress = messages(&output);

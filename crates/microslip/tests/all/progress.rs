@@ -1,9 +1,13 @@
 //! What commands show while they work: to persons, and to programs.
 #![allow(clippy::unwrap_used)]
+#![allow(clippy::print_stdout, reason = "a test prints what it measures")]
 
 use crate::common::{exit_code, folder, messages, read_json, run};
 use serde_json::{Value, json};
+use std::io::{BufRead, BufReader};
 use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Instant;
 
 const QUICK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenes/brb-quick.json");
 
@@ -65,6 +69,7 @@ fn a_program_reads_events_and_the_answer() {
             .all(|end| end["seconds"].as_f64().unwrap() >= 0.0)
     );
     let progress = named(&events, "progress");
+    assert!(progress.iter().filter(|event| event["seconds_left"].is_f64()).count() > 3);
     assert!(progress.iter().any(|event| event["stage"] == "backbone"));
     for event in progress {
         let fraction = event["fraction"].as_f64().unwrap();
@@ -119,6 +124,30 @@ fn samples_and_second_runs_tell_no_amplitudes() {
 }
 
 #[test]
+fn a_program_reads_how_far_a_study_is() {
+    let folder = folder("progress-study");
+    let mut scene: Value = scenes::parse_json(&std::fs::read_to_string(QUICK).unwrap()).unwrap();
+    scene["analyses"]["backbone"]["amplitudes"] = json!(2);
+    let plan = json!({ "scene": scene, "cases": [{ "/interfaces/mu": 0.2 }, { "/interfaces/mu": 0.3 }] });
+    std::fs::write(folder.join("plan.json"), plan.to_string()).unwrap();
+    let output = run(&folder, &["study", "plan.json", "--out", "out", "--json"]);
+    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
+    let printed: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        (&printed["results"], &printed["answer"]["converged"]),
+        (&json!("out"), &json!(2))
+    );
+    let events = events(&messages(&output));
+    for name in ["begin", "progress", "end"] {
+        assert!(
+            named(&events, name).iter().all(|event| event["stage"] == "study"),
+            "{name}"
+        );
+    }
+    assert_eq!([named(&events, "begin").len(), named(&events, "end").len()], [1, 1]);
+}
+
+#[test]
 fn errors_are_events_too() {
     let folder = folder("progress-error");
     std::fs::write(folder.join("scene.json"), "{ \"frobnicate\": 1 }").unwrap();
@@ -152,4 +181,61 @@ fn a_quiet_run_says_the_answer_alone() {
     assert!(String::from_utf8(output.stdout).unwrap().contains("mode 1: "));
     let both = run(&folder, &["run", QUICK, "--quiet", "--json"]);
     assert_eq!(exit_code(&both), 2);
+}
+
+/// Runs a scene, and gives what it told was left at parts of its time, over what was left.
+fn estimates(folder: &Path, arguments: &[&str]) -> (f64, Vec<Option<f64>>) {
+    let began = Instant::now();
+    let mut program = Command::new(crate::PROGRAM)
+        .args(arguments)
+        .args(["--no-cache", "--json"])
+        .current_dir(folder)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut told: Vec<(f64, Option<f64>)> = Vec::new();
+    for line in BufReader::new(program.stderr.take().unwrap()).lines() {
+        let event: Value = serde_json::from_str(&line.unwrap()).unwrap();
+        if event["event"] == "progress" {
+            told.push((began.elapsed().as_secs_f64(), event["seconds_left"].as_f64()));
+        }
+    }
+    assert!(program.wait().unwrap().success());
+    let total = began.elapsed().as_secs_f64();
+    let at = |part: f64| {
+        let (when, left) = told.iter().rev().find(|(when, _)| *when <= part * total)?;
+        Some((when + (*left)?) / total)
+    };
+    (total, [0.2, 0.4, 0.6, 0.8].map(at).to_vec())
+}
+
+/// Prints predicted over true total times; what else the computer does while it runs is in the figures.
+#[test]
+fn slow_what_is_left_is_told_from_the_first_fifth_on() {
+    let folder = folder("progress-left");
+    for (name, arguments) in [
+        ("flange", &["new", "flange", "--benchmark", "flange"][..]),
+        (
+            "chain",
+            &["new", "chain", "--benchmark", "chain-of-laps", "--joints", "8"],
+        ),
+    ] {
+        let output = run(&folder, arguments);
+        assert_eq!(exit_code(&output), 0, "{name}: {}", messages(&output));
+    }
+    for scene in [
+        &["--benchmark", "brb/brb-flat"][..],
+        &["--benchmark", "brb/brb-topography"],
+        &["--benchmark", "brb/brb-synthetic-scan"],
+        &["flange/scene.json"],
+        &["chain/scene.json"],
+    ] {
+        let (total, found) = estimates(&folder, &[&["run", "--out", "out", "--overwrite"], scene].concat());
+        println!("{scene:?}: {total:.1} s, predicted over true at 20, 40, 60 and 80 %: {found:.2?}");
+        for ratio in found {
+            let ratio = ratio.unwrap_or_else(|| panic!("{scene:?}: no estimate"));
+            assert!((1.0 / 3.0..3.0).contains(&ratio), "{scene:?}: {ratio}");
+        }
+    }
 }

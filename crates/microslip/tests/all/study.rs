@@ -156,6 +156,8 @@ fn tables_are_the_same_by_one_thread_by_two_and_in_parts_and_no_case_is_run_twic
     assert!(rows[1..].iter().all(|row| row[0].len() == 64 && row[12] == "converged"));
     for name in [
         "report.html",
+        "backbones.svg",
+        "effects.svg",
         "parallel.svg",
         "frequency.svg",
         "damping.svg",

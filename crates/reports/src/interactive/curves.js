@@ -104,8 +104,9 @@ function showBackbones(host, groups, response, state, picked = null) {
   renew();
 }
 
-/** The curves of a mode: those of the methods, and that of the run on top, with the bands of an ensemble. */
-function modeCurves(mode, bands) {
+/** The curves of a mode: those of the methods, and that of the run on top, with its bands. */
+function modeCurves(mode) {
+  const bands = mode.bands ?? [];
   const own = backboneOf(mode.table);
   const methods = mode.methods.map((method) => ({
     name: method.name,

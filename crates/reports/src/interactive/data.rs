@@ -8,6 +8,7 @@ use crate::names::table_file;
 use crate::{Error, csv, styles};
 use analyses::ensemble::BandPoint;
 use analyses::results::summary::{MethodSummary, Summary};
+use analyses::uncertainty;
 use analyses::{ElementLoops, Fields, ModeBackbone, Run};
 use contact_laws::Regime;
 use serde::Serialize;
@@ -23,9 +24,6 @@ pub(crate) struct Document {
     response: String,
     /// In the order of the run.
     modes: Vec<Mode>,
-    /// Percentiles of an ensemble of the first mode.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    bands: Vec<Band>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     forced: Vec<Level>,
     /// None of points of contact, which cover nothing that could be drawn.
@@ -54,6 +52,9 @@ pub(super) struct Backbone {
     /// That table, as it stands in the file.
     table: String,
     methods: Vec<Curve>,
+    /// Percentiles of samples of uncertain inputs, or of an ensemble of the first mode.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    bands: Vec<Band>,
 }
 
 /// The backbone of a method beside CQSMA; null where there is no value.
@@ -69,12 +70,12 @@ struct Curve {
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct Band {
+struct Band {
     /// m
     response_displacement: f64,
-    /// 5, 50 and 95 %.
+    /// Lower edge, median and upper edge.
     frequency_hz: [f64; 3],
-    /// 5, 50 and 95 %.
+    /// The same.
     damping_ratio: [Option<f64>; 3],
 }
 
@@ -182,7 +183,6 @@ impl Document {
             name: found.scene.name.clone(),
             response: summary.response.clone(),
             modes: modes.collect::<Result<_, _>>()?,
-            bands: bands(summary),
             forced: summary
                 .forced
                 .iter()
@@ -280,12 +280,27 @@ impl Backbone {
                 .iter()
                 .map(|(name, points)| curve(&styles::title(name), points))
                 .collect(),
+            bands: bands(mode, summary),
         })
     }
 }
 
-/// Percentiles of the ensemble of a run; empty without one.
-pub(super) fn bands(summary: &Summary) -> Vec<Band> {
+/// Bands of a mode: of uncertain inputs, or of the ensemble of a run; empty without either.
+fn bands(mode: usize, summary: &Summary) -> Vec<Band> {
+    if let Some(found) = &summary.uncertainty {
+        let own = found.modes.iter().filter(|of| of.mode == mode);
+        // The first is that of the linearised mode.
+        let amplitudes = own.flat_map(|of| of.bands.iter().skip(1));
+        let band = |band: &uncertainty::Band| match band.frequency_hz.quantiles {
+            [Some(low), Some(median), Some(high)] => Some(Band {
+                response_displacement: band.response_displacement,
+                frequency_hz: [low, median, high],
+                damping_ratio: band.damping_ratio.quantiles,
+            }),
+            _ => None,
+        };
+        return amplitudes.filter_map(band).collect();
+    }
     let bands = summary.ensemble.iter().flat_map(|ensemble| &ensemble.bands);
     let band = |band: &BandPoint| Band {
         response_displacement: band.response_displacement,

@@ -13,9 +13,9 @@ function showRun(data) {
   const { modes } = data;
   const place = (name) => document.getElementById(`live-${name}`);
   const state = makeState({ mode: 0, stop: 0, field: "pressure", element: null });
-  const groups = modes.map((mode, i) => ({
+  const groups = modes.map((mode) => ({
     name: `${mode.mode}, ${mode.frequency_hz.toFixed(2)} Hz`,
-    curves: modeCurves(mode, i === 0 ? data.bands ?? [] : []),
+    curves: modeCurves(mode),
   }));
 
   const surface = data.interface === undefined ? null : readInterface(data.interface);

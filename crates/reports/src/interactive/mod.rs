@@ -15,6 +15,7 @@ pub(crate) use setup::Setup;
 pub(crate) use several::Runs;
 pub(crate) use shapes::Shapes;
 
+use crate::cases::Cases;
 use crate::{Error, styles};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -54,6 +55,9 @@ const RUNS: [&str; 4] = [
     include_str!("curves.js"),
     include_str!("several.js"),
 ];
+
+/// What scripts of a page about a study consist of, in this order.
+const CASES: [&str; 2] = [include_str!("chart.js"), include_str!("cases.js")];
 
 /// What scripts of a page about mode shapes consist of, in this order.
 const SHAPES: [&str; 2] = [include_str!("scene3d.js"), include_str!("shapes.js")];
@@ -123,6 +127,14 @@ impl Live {
         Self::new(setup, scripts, &[UPLOT[1], STYLE, SETUP_STYLE])
     }
 
+    /// What a page about the cases of a study needs.
+    ///
+    /// # Errors
+    /// [`Error::Summary`] if the data have no JSON.
+    pub(crate) fn cases(cases: &Cases) -> Result<Self, Error> {
+        Self::new(cases, vec![UPLOT[0].to_owned(), own(&CASES)], &[UPLOT[1], STYLE])
+    }
+
     fn new(data: &impl Serialize, scripts: Vec<String>, styles: &[&str]) -> Result<Self, Error> {
         let scripts: Vec<String> = scripts.iter().map(|script| format!("\n{}\n", script.trim())).collect();
         let mut policy = String::from(
@@ -187,6 +199,7 @@ mod tests {
             .chain(&SHAPES)
             .chain(&RUNS)
             .chain(&SETUP)
+            .chain(&CASES)
             .chain(&UPLOT[..1])
             .chain(&[THREE, COMMON])
         {

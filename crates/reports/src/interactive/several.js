@@ -10,7 +10,7 @@ function showRuns({ runs }) {
       if (place < 0) {
         return [];
       }
-      const curves = modeCurves({ stops: [], ...run.modes[place] }, place === 0 ? run.bands ?? [] : []);
+      const curves = modeCurves({ stops: [], ...run.modes[place] });
       // A colour per run, dashes per method.
       return curves.map((curve) => ({
         ...curve,

@@ -1,6 +1,6 @@
 //! What the scripts of a page about several runs read.
 
-use super::data::{Backbone, Band, bands};
+use super::data::Backbone;
 use crate::Error;
 use analyses::results::summary::Summary;
 use serde::Serialize;
@@ -19,8 +19,6 @@ struct Entry {
     /// Where its own page is.
     page: String,
     modes: Vec<Backbone>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    bands: Vec<Band>,
 }
 
 impl Runs {
@@ -38,7 +36,6 @@ impl Runs {
                 response: summary.response.clone(),
                 page: page.into(),
                 modes: modes.collect::<Result<_, _>>()?,
-                bands: bands(summary),
             })
         };
         Ok(Self {

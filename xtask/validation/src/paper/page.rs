@@ -67,6 +67,7 @@ pub(super) fn html(computed: &[Computed], quick: bool) -> Result<String, Error> 
         introduction: INTRODUCTION,
         warning: quick.then_some(QUICK),
         sections: computed.iter().map(section).collect(),
+        cases: None,
     };
     page.html()
 }
@@ -91,10 +92,13 @@ fn findings(found: &entry::Findings, seconds: f64) -> Findings<'_> {
     Findings {
         judgement: &found.judgement,
         pictures: pictures.collect(),
-        table: Table {
-            headings: HEADINGS.map(Into::into).into(),
-            rows: found.figures.iter().map(|figure| cells(figure).into()).collect(),
-        },
+        tables: vec![(
+            String::new(),
+            Table {
+                headings: HEADINGS.map(Into::into).into(),
+                rows: found.figures.iter().map(|figure| cells(figure).into()).collect(),
+            },
+        )],
         remark: format!("{seconds:.0} s of computation; {}.", comparable(found.comparable)),
     }
 }

@@ -1,0 +1,110 @@
+//! What the stages of a run are expected to take, from sizes alone.
+//!
+//! Constants are seconds on two cores of a usual computer, measured on the Brake-Reuss beam, flanges and chains of laps from 30 000 to 130 000 unknowns.
+//! A run scales them by its own pace, so that their ratios are what counts.
+
+use super::error_bar::ErrorBar;
+use joint_model::Bodies;
+use joints::progress::{Expected, Progress, Stage};
+use joints::structure::Structure;
+use scenes::{Scene, Surface};
+
+/// Per unknown of the structure.
+const ASSEMBLING: f64 = 1.4e-5;
+
+/// Of a structure of 100 000 unknowns, and the power of their number that it goes with.
+const FACTORING: (f64, f64) = (7.6, 1.2);
+
+/// Of the reduction that goes with the factorisation, and the rest per number of the reduced matrices to the power.
+const REDUCING: (f64, f64, f64) = (0.3, 3.4e-9, 1.25);
+
+/// Per interface.
+const CHARACTERISING: f64 = 0.3;
+
+/// Per element of an interface whose faces were scanned.
+const MEASURING: f64 = 8e-3;
+
+/// Of a comparison, relative to the law.
+const COMPARING: f64 = 2.2;
+
+/// Per number of the reduced matrix: of the static state, of the modes, and of a vertex of a quarter of a loop.
+const SOLVING: [f64; 3] = [1.6e-8, 3e-8, 9e-9];
+
+/// Of finding displacements, relative to the factorisation; and of recovering strains, per element.
+const RECOVERING: (f64, f64) = (0.8, 1.2e-3);
+
+/// Loops of each mode that the error of a mesh follows from.
+const LOOPS_OF_MESH: f64 = 2.0;
+
+/// A sample beside the backbone of the scene, whose errors are estimated too.
+const SAMPLE: f64 = 1.1;
+
+/// Tells what the stages of a scene are expected to take.
+pub(super) fn expect(scene: &Scene, structure: &Structure, progress: &dyn Progress) {
+    let (unknowns, elements) = match &structure.joint.bodies {
+        Bodies::Meshed(bodies) => {
+            let mesh = &bodies.assembly.mesh;
+            (3 * mesh.nodes.len(), mesh.elements.len())
+        }
+        Bodies::Imported(bodies) => (bodies.relative.stiffness.rows(), 0),
+    };
+    let threads = rayon::current_num_threads() as f64;
+    // Fronts near the end of a factorisation are work for one thread.
+    let in_part = |seconds: f64| seconds / threads.sqrt();
+    let entries = structure.reduced_entries() as f64;
+    let factor = FACTORING.0 * (1e-5 * unknowns as f64).powf(FACTORING.1);
+    let [rest, modes, vertex] = SOLVING.map(|each| each * entries);
+    let analyses = &scene.analyses;
+    let loops = (analyses.backbone.amplitudes * analyses.modes.followed.len()) as f64;
+    let of_loop = vertex * analyses.backbone.vertices_per_quarter as f64 / threads;
+    let is_scanned = scene.interfaces.surfaces().any(Surface::is_scanned);
+    let expect = |stage, seconds| progress.expect(stage, Expected::Seconds(seconds));
+    expect(Stage::Assemble, ASSEMBLING * unknowns as f64);
+    expect(Stage::Factor, in_part(factor));
+    expect(
+        Stage::Reduce,
+        in_part(REDUCING.0 * factor + REDUCING.1 * entries.powf(REDUCING.2)),
+    );
+    let laws = CHARACTERISING * structure.joint.parts.len().max(1) as f64;
+    let scans = MEASURING * structure.interface().elements.len() as f64;
+    expect(Stage::Characterise, laws + if is_scanned { scans } else { 0.0 });
+    expect(Stage::Prestress, rest);
+    expect(Stage::Modes, modes);
+    if loops > 0.0 {
+        match is_scanned {
+            // Surfaces are not measured again.
+            true => expect(Stage::Comparisons, COMPARING * laws),
+            false => progress.expect(Stage::Comparisons, Expected::Times(COMPARING, Stage::Characterise)),
+        }
+        expect(Stage::Backbone, loops * of_loop);
+    }
+    let asked = [
+        (Stage::Methods, !analyses.backbone.methods.is_empty()),
+        (Stage::Epmc, analyses.epmc.is_some()),
+        (Stage::Forced, analyses.forced.is_some()),
+        (Stage::Random, analyses.random.is_some()),
+        (Stage::Shock, analyses.shock.is_some()),
+        (Stage::Transient, analyses.ring_down.is_some()),
+    ];
+    for (stage, _) in asked.into_iter().filter(|(_, is_asked)| *is_asked) {
+        progress.expect(stage, Expected::Unknown);
+    }
+    let displacements = in_part(RECOVERING.0 * factor);
+    let of_bodies = if scene.output.deformed { displacements } else { 0.0 };
+    let of_mesh = match ErrorBar::is_estimated(scene) {
+        true => {
+            let again = rest + modes + LOOPS_OF_MESH * of_loop * analyses.modes.followed.len() as f64;
+            displacements + RECOVERING.1 * elements as f64 + again
+        }
+        false => 0.0,
+    };
+    if of_bodies + of_mesh > 0.0 {
+        expect(Stage::Bodies, of_bodies + of_mesh);
+    }
+}
+
+/// Tells of so many samples or realisations beside a scene.
+pub(super) fn expect_samples(number: usize, progress: &dyn Progress) {
+    let times = Expected::Times(SAMPLE * number as f64, Stage::Backbone);
+    progress.expect(Stage::Ensemble, times);
+}
