@@ -73,7 +73,10 @@ fn differences(dense: &Value, blocks: &Value, place: &str, endings: [&str; 2]) -
 }
 
 fn summary(run: &Run) -> Value {
-    serde_json::to_value(Summary::new(run, Default::default(), None)).unwrap()
+    let mut summary = Summary::new(run, Default::default(), None);
+    // What is dissipated around a bolt is a part of what its interface does, which is compared.
+    summary.backbone.iter_mut().for_each(|point| point.connections.clear());
+    serde_json::to_value(summary).unwrap()
 }
 
 #[test]
