@@ -153,7 +153,7 @@ fn hertz(frequency: f64) -> String {
 }
 
 /// A damping ratio with two digits and more.
-fn percent(ratio: f64) -> String {
+pub(crate) fn percent(ratio: f64) -> String {
     format!("{} %", digits(100.0 * ratio))
 }
 
@@ -167,7 +167,7 @@ pub(crate) fn unit_of_length(length: f64) -> (&'static str, f64) {
 }
 
 /// A length in the unit that suits it.
-fn length(length: f64) -> String {
+pub(crate) fn length(length: f64) -> String {
     let (unit, scale) = unit_of_length(length);
     format!("{} {unit}", digits(scale * length))
 }

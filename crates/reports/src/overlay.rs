@@ -1,5 +1,6 @@
 //! Backbones on shared axes: frequency above, damping ratio below.
 
+use crate::answer::percent;
 use crate::plot::{Canvas, Curve, Marks, bounds, log, panel, picture, power, ticks, widen};
 use crate::styles::COLOURS;
 use crate::{Drawing, Error};
@@ -60,9 +61,9 @@ pub(crate) fn draw([upper, lower]: [&Canvas<'_>; 2], series: &[Series<'_>], labe
         lower,
         log(&x, &x_ticks),
         log(&y, &y_ticks),
-        "damping ratio [-]",
+        "damping ratio",
         label,
-        [&power, &power],
+        [&power, &|zeta| percent(*zeta)],
         &damping,
         &[],
         SeriesLabelPosition::LowerRight,

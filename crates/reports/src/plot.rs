@@ -1,5 +1,6 @@
 //! Pictures: the backbone, the response and the profiles of an element, and the cost of a load point.
 
+use crate::answer::{length, percent};
 use crate::styles::{Style, of_method, title};
 use crate::{Drawing, Error};
 use analyses::ensemble::BandPoint;
@@ -401,7 +402,7 @@ fn draw(summary: &Summary, title: &str, root: &Canvas<'_>) -> Result<(), Drawing
         y,
         "frequency, first harmonic [Hz]",
         "",
-        [&power, &|f| format!("{f:.2}")],
+        [&|x| length(*x), &|f| format!("{f:.2}")],
         &frequency,
         &frequency_band,
         SeriesLabelPosition::LowerLeft,
@@ -418,15 +419,15 @@ fn draw(summary: &Summary, title: &str, root: &Canvas<'_>) -> Result<(), Drawing
         marks: Marks::Bounds,
         points: bounds_below,
     });
-    let label = format!("{}, by the linearised mode [m]", amplitude_label(&summary.response));
+    let label = format!("{}, by the linearised mode", amplitude_label(&summary.response));
     let chart_y = log(&y, &y_ticks);
     panel(
         &lower,
         log(&x, &x_ticks),
         chart_y,
-        "damping ratio [-]",
+        "damping ratio",
         &label,
-        [&power, &power],
+        [&|x| length(*x), &|zeta| percent(*zeta)],
         &damping,
         &damping_band,
         SeriesLabelPosition::LowerRight,

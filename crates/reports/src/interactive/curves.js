@@ -32,22 +32,35 @@ function showBackbones(host, groups, response, state, picked = null) {
   const shown = () => [...groups[state.values.mode].curves, ...measured];
 
   function draw() {
-    const { name, unit } = AMPLITUDES[axes.amplitude];
+    const { name, unit: plain } = AMPLITUDES[axes.amplitude];
+    const amplitudes = shown().flatMap((curve) => curve[axes.amplitude]).filter((x) => x > 0);
+    // The unit that suits the middle of a logarithmic axis.
+    const middle = Math.sqrt(amplitudes.reduce((a, b) => Math.min(a, b), Infinity) * amplitudes.reduce((a, b) => Math.max(a, b), 0));
+    const { factor, unit } = axes.amplitude === "modal" ? { factor: 1, unit: plain } : scaleOf(middle, plain);
     const x = { label: `${name} [${unit}]`, name, unit, log: axes.x };
-    const chart = (key, label, unit, log) => ({
+    const scaled = (values, by) => values.map((value) => (value === null ? null : by * value));
+    const chart = (key, label, [by, unit], log) => ({
       label: `${label} against ${name}`,
       empty: key === "damping" ? "no damping above what residuals may make of it" : "no values",
       x,
-      y: { label: `${label} [${unit || "-"}]`, name: label, unit, log, round: true },
+      y: { label: `${label} [${unit}]`, name: label, unit, log, round: true },
       curves: shown().map((curve) => ({
         ...curve,
         origin: curve,
-        points: curve[key].map((y, i) => ({ x: curve[axes.amplitude][i], y, note: curve.notes?.[i] ?? "", strong: curve.strong?.[i] })),
-        band: curve.bands?.map((band) => ({ x: band[axes.amplitude], low: band[key][0], high: band[key][2] })),
+        points: scaled(curve[key], by).map((y, i) => ({
+          x: scaled([curve[axes.amplitude][i]], factor)[0],
+          y,
+          note: curve.notes?.[i] ?? "",
+          strong: curve.strong?.[i],
+        })),
+        band: curve.bands?.map((band) => {
+          const [low, , high] = scaled(band[key], by);
+          return { x: factor * band[axes.amplitude], low, high };
+        }),
       })),
     });
-    above.update(chart("frequency", "frequency", "Hz", axes.frequency));
-    below.update(chart("damping", "damping ratio", "", axes.damping));
+    above.update(chart("frequency", "frequency", [1, "Hz"], axes.frequency));
+    below.update(chart("damping", "damping ratio", [100, "%"], axes.damping));
   }
 
   function renew() {
