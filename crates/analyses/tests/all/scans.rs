@@ -258,7 +258,8 @@ fn go(scene: &Scene, options: &Options, threads: usize) -> (Run, Ensemble) {
 }
 
 #[test]
-fn ensembles_depend_on_the_seed_alone_and_go_on_where_they_stopped() {
+#[ignore = "half a minute; the gates run it"]
+fn slow_ensembles_depend_on_the_seed_alone_and_go_on_where_they_stopped() {
     let scene = scene(Surface::SyntheticScan(faces()));
     let (measured, one) = go(&scene, &options(folder()), 1);
     let (_, two) = go(&scene, &options(folder()), 2);

@@ -659,7 +659,8 @@ fn scans_that_cannot_be_characterised_leave_nothing_behind() {
 }
 
 #[test]
-fn an_ensemble_puts_bands_about_the_backbone() {
+#[ignore = "half a minute; the gates run it"]
+fn slow_an_ensemble_puts_bands_about_the_backbone() {
     let folder = folder("ensemble");
     let mut scene = read_json(Path::new(QUICK));
     scene["name"] = json!("scanned");

@@ -379,10 +379,9 @@ impl Trial {
         for case in 0..count {
             let at = 1 + case * (calls - 1) / (count - 1);
             let kind = KINDS[case % KINDS.len()];
-            assert!(
-                self.fail(over_old, &Fault { shim, at, kind }).is_some(),
-                "{at} of {calls}"
-            );
+            // What is measured of a run has other digits each time, and may take a call less to write.
+            let failed = self.fail(over_old, &Fault { shim, at, kind }).is_some();
+            assert!(failed || at == calls, "{at} of {calls}");
         }
     }
 }
