@@ -102,10 +102,44 @@ fn mesh_estimate(estimate: &MeshEstimate) -> String {
     out
 }
 
+/// What the settings promise, and how far finer ones lead.
+fn of_settings(summary: &Summary, scene: &Scene) -> String {
+    let mut out = String::new();
+    let cell = |value: Option<f64>| value.map_or_else(|| "-".into(), |v| format!("{v:.1e}"));
+    if let Some(preset) = summary.accuracy {
+        // Writing to a string cannot fail.
+        let _ = writeln!(out, "settings `{}`: {}", preset.name, preset.promise(scene));
+    }
+    if let Some(estimate) = &summary.error_estimate {
+        let _ = writeln!(
+            out,
+            "against the settings `{}`: first frequency {:+.2e}, frequencies within {}, logarithm of damping within {}",
+            estimate.finer,
+            estimate.linear_frequency,
+            cell(estimate.frequency),
+            cell(estimate.damping)
+        );
+    }
+    out
+}
+
+/// What is known of the error of the mesh.
+fn of_mesh(summary: &Summary) -> String {
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    let _ = writeln!(out, "error of the mesh: {}", summary.model.error_bar.sentence());
+    if let Some(places) = summary.model.error_bar.places() {
+        let _ = writeln!(out, "the mesh errs most at {places} of the error");
+    }
+    if let Some(estimate) = &summary.mesh_estimate {
+        out.push_str(&mesh_estimate(estimate));
+    }
+    out
+}
+
 /// All that was found, apart from the answer.
 fn details(summary: &Summary, scene: &Scene) -> String {
     let mut out = String::new();
-    let cell = |value: Option<f64>, format: &dyn Fn(f64) -> String| value.map_or_else(|| "-".into(), format);
     for (mode, of_mode) in summary.by_mode() {
         // Writing to a string cannot fail.
         let _ = match mode {
@@ -130,32 +164,14 @@ fn details(summary: &Summary, scene: &Scene) -> String {
     if let Some(torque) = &summary.torque {
         let _ = writeln!(out, "{}", torque.line());
     }
-    if let Some(preset) = summary.accuracy {
-        let _ = writeln!(out, "settings `{}`: {}", preset.name, preset.promise(scene));
-    }
-    if let Some(estimate) = &summary.error_estimate {
-        let _ = writeln!(
-            out,
-            "against the settings `{}`: first frequency {:+.2e}, frequencies within {}, logarithm of damping within {}",
-            estimate.finer,
-            estimate.linear_frequency,
-            cell(estimate.frequency, &|v| format!("{v:.1e}")),
-            cell(estimate.damping, &|v| format!("{v:.1e}"))
-        );
-    }
+    out.push_str(&of_settings(summary, scene));
     if let Some(found) = &summary.adaptation {
         let _ = writeln!(out, "accuracy: {}", adaptation(found));
     }
     if let Some(errors) = errors(summary) {
         let _ = writeln!(out, "errors of the settings: {errors}");
     }
-    let _ = writeln!(out, "error of the mesh: {}", summary.model.error_bar.sentence());
-    if let Some(places) = summary.model.error_bar.places() {
-        let _ = writeln!(out, "the mesh errs most at {places} of the error");
-    }
-    if let Some(estimate) = &summary.mesh_estimate {
-        out.push_str(&mesh_estimate(estimate));
-    }
+    out.push_str(&of_mesh(summary));
     out
 }
 
@@ -167,6 +183,13 @@ pub fn account(summary: &Summary, scene: &Scene, directory: &Path, verbose: bool
     } else {
         let lines = ANALYSES.iter().map(|analysis| (analysis.lines)(summary));
         out.extend(lines.filter(|lines| lines.trim().lines().count() <= FEW));
+        // What a command was asked for by an option of its own.
+        if summary.error_estimate.is_some() {
+            out.push_str(&of_settings(summary, scene));
+        }
+        if summary.mesh_estimate.is_some() {
+            out.push_str(&of_mesh(summary));
+        }
     }
     for (_, of_mode) in summary.by_mode() {
         shortcomings(&mut out, &of_mode);
