@@ -141,9 +141,11 @@ impl File<'_> {
                 let mut found = abaqus::read_substructure(path)?;
                 self.skipped(&found.skipped, notes);
                 let mut matrix = |name: &str| found.matrices.remove(name).map(|matrix| from_dense(&matrix));
+                let [stiffness, mass] = ["STIFFNESS", "MASS"].map(&mut matrix);
+                self.not_needed(found.matrices.keys(), notes);
                 Ok(Contents {
-                    stiffness: matrix("STIFFNESS"),
-                    mass: matrix("MASS"),
+                    stiffness,
+                    mass,
                     dofs: found.dofs,
                     load_cases: found.loads,
                     recovery: found.recovery.map(|r| from_dense(&r.matrix)),
