@@ -4,7 +4,7 @@ use super::amplitude::Fields;
 use crate::Error;
 use contact_laws::Sticking;
 use cqsma_solver::prestress::{self, Prestress};
-use cqsma_solver::{Failure, Linearisation, NewtonSettings, Reason, modes};
+use cqsma_solver::{Failure, HystereticForce, Linearisation, NewtonSettings, Reason, modes};
 use dense_algebra::Limits;
 use joints::interface::InterfaceForce;
 use joints::structure::StructuralModel;
@@ -45,7 +45,8 @@ pub(super) fn solve(
     start: &[f64],
     (newton, limits): (&NewtonSettings, Limits<'_>),
 ) -> Result<Prestress<State>, Error> {
-    prestress::solve_within(limits, reduced.stiffness.as_ref(), force, static_load, start, newton)?.map_err(failed)
+    let (history, stiffness) = (force.initial_state(), reduced.stiffness.as_ref());
+    prestress::solve_within(limits, &history, stiffness, force, static_load, start, newton)?.map_err(failed)
 }
 
 pub(super) fn failed(failure: Failure) -> Error {

@@ -12,7 +12,7 @@ use harmonic_balance::forced::{Curve, Point};
 use harmonic_balance::points::Between;
 use scenes::{Sweep, SweepRate};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::{LN_2, PI, TAU};
+use std::f64::consts::{LN_2, TAU};
 use std::ops::ControlFlow;
 
 /// Steps per period of the load, and of the first mode followed, where it is followed in time.
@@ -186,7 +186,7 @@ impl Linearised<'_> {
         let found: Vec<SweptResonance> = found
             .filter(|found| is_passed(found.point.omega))
             .map(|found| {
-                let (f, zeta) = (found.point.omega / TAU, self.damping_ratio(&found.point, row));
+                let (f, zeta) = (found.point.omega / TAU, found.point.damping_ratio);
                 SweptResonance {
                     frequency_hz: f,
                     damping_ratio: zeta,
@@ -217,19 +217,6 @@ impl Linearised<'_> {
             jumps,
             in_time,
         })
-    }
-
-    /// Damping ratio of a motion under a force along `row`: what is put in per period over `4 pi` times the energy of the first harmonic.
-    fn damping_ratio(&self, point: &Point, row: &[f64]) -> f64 {
-        let [cosine, sine] = point.displacement.pair(1);
-        let along: f64 = row.iter().zip(sine).map(|(a, b)| a * b).sum();
-        let square = |x: &[f64]| {
-            let mut momentum = vec![0.0; x.len()];
-            self.line.mass().multiply(x, &mut momentum);
-            momentum.iter().zip(x).map(|(a, b)| a * b).sum::<f64>()
-        };
-        let energy = point.omega.powi(2) * (square(cosine) + square(sine));
-        PI * point.force * along / (TAU * energy)
     }
 
     fn sweep_in_time(

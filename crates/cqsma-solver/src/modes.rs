@@ -128,12 +128,17 @@ impl<'a, S> Linearisation<'a, S> {
             .collect()
     }
 
-    /// Damping ratio of a mode, zero-based, by the dampers alone: `sum (d^T phi)^2 / (2 omega)`; zero of a mode without stiffness.
+    /// What the dampers take of a mode, zero-based, `sum (d^T phi)^2` (1/s).
+    pub fn damper_coefficient(&self, mode: usize) -> f64 {
+        let shape = self.shapes.col_as_slice(mode);
+        self.dampers.iter().map(|damper| dot(damper, shape).powi(2)).sum()
+    }
+
+    /// Damping ratio of a mode, zero-based, by the dampers alone: their coefficient over `2 omega`; zero of a mode without stiffness.
     pub fn damper_ratio(&self, mode: usize) -> f64 {
-        let (shape, eigenvalue) = (self.shapes.col_as_slice(mode), self.eigenvalues[mode]);
-        let along = self.dampers.iter().map(|damper| dot(damper, shape).powi(2));
+        let eigenvalue = self.eigenvalues[mode];
         match eigenvalue > 0.0 {
-            true => along.sum::<f64>() / (2.0 * eigenvalue.sqrt()),
+            true => self.damper_coefficient(mode) / (2.0 * eigenvalue.sqrt()),
             false => 0.0,
         }
     }

@@ -58,22 +58,6 @@ pub fn solve<'a, F: HystereticForce>(
     solve_after(&force.initial_state(), stiffness, force, load, start, settings)
 }
 
-/// As [`solve`], within limits of time; the part that is done follows the decrease of the residual.
-///
-/// # Errors
-/// As [`solve`].
-pub fn solve_within<'a, F: HystereticForce>(
-    limits: Limits<'_>,
-    stiffness: impl Into<SystemMatrixRef<'a>>,
-    force: &F,
-    load: &[f64],
-    start: &[f64],
-    settings: &NewtonSettings,
-) -> Result<Result<Prestress<F::State>, Failure>, Error> {
-    let history = force.initial_state();
-    solve_from(&history, stiffness.into(), force, load, start, (settings, limits))
-}
-
 /// As [`solve`], of a structure that has a `history` already: friction of earlier static states, committed. The
 /// load is the whole one, not its change.
 ///
@@ -87,18 +71,23 @@ pub fn solve_after<'a, F: HystereticForce>(
     start: &[f64],
     settings: &NewtonSettings,
 ) -> Result<Result<Prestress<F::State>, Failure>, Error> {
-    let limits = Limits::default();
-    solve_from(history, stiffness.into(), force, load, start, (settings, limits))
+    solve_within(Limits::default(), history, stiffness, force, load, start, settings)
 }
 
-fn solve_from<F: HystereticForce>(
+/// As [`solve_after`], within limits of time; the part that is done follows the decrease of the residual.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_within<'a, F: HystereticForce>(
+    limits: Limits<'_>,
     history: &F::State,
-    stiffness: SystemMatrixRef<'_>,
+    stiffness: impl Into<SystemMatrixRef<'a>>,
     force: &F,
     load: &[f64],
     start: &[f64],
-    settings: (&NewtonSettings, Limits<'_>),
+    settings: &NewtonSettings,
 ) -> Result<Result<Prestress<F::State>, Failure>, Error> {
+    let (stiffness, settings) = (stiffness.into(), (settings, limits));
     let n = stiffness.size();
     check_size("the static load", load.len(), n)?;
     check_size("the starting guess", start.len(), n)?;

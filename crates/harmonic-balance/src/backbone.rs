@@ -164,15 +164,7 @@ pub fn follow<F: PointwiseForce>(
             (row, background)
         }
     };
-    let system = System::new(
-        line,
-        force,
-        Load::force(row),
-        background,
-        [0.0; 2],
-        &[],
-        settings.sampling,
-    );
+    let system = System::new(line, force, Load::force(row), background, [0.0; 2], settings.sampling);
     let mut follower = Follower {
         system,
         free: matches!(kind, Kind::Free),
@@ -246,7 +238,7 @@ pub fn rates<F: DifferentiablePointwiseForce>(
         newton: NewtonSettings::default(),
     };
     let mut follower = Follower {
-        system: System::new(line, force, Load::force(&none), 0.0, [0.0; 2], &[], motion.sampling),
+        system: System::new(line, force, Load::force(&none), 0.0, [0.0; 2], motion.sampling),
         free: true,
         settings: &settings,
         found: Vec::new(),

@@ -86,6 +86,8 @@ pub struct Point {
     pub residual: f64,
     /// Change of the tractions from the last period to the one before relative to their range.
     pub drift: f64,
+    /// What the force gives over a period, over `2 pi omega^2 V_1^H M V_1`: the damping ratio of the motion.
+    pub damping_ratio: f64,
     /// What contact and viscous damping take over a period less what the force gives, over `2 pi omega^2 V_1^H M V_1`: an error in the unit of damping
     /// ratios.
     pub energy_error: f64,
@@ -271,7 +273,7 @@ impl<'a, 's, F: PointwiseForce> Tracer<'a, 's, F> {
         check(line, load, held, settings)?;
         let (background, rayleigh, sampling) = (settings.background, settings.rayleigh, settings.sampling);
         Ok(Self {
-            system: System::new(line, law, load.clone(), background, rayleigh, &line.dampers, sampling),
+            system: System::new(line, law, load.clone(), background, rayleigh, sampling).with_dampers(),
             settings,
             held,
             share: 1.0,
@@ -401,13 +403,15 @@ impl<'a, 's, F: PointwiseForce> Tracer<'a, 's, F> {
     }
 
     pub(crate) fn point(&self, unknown: &Unknown, found: &Converged) -> Point {
+        let [damping_ratio, energy_error] = self.system.damping_ratio(unknown, &found.evaluation);
         Point {
             omega: unknown.at(Parameter::Square).sqrt(),
             force: unknown.at(Parameter::Force),
             displacement: unknown.v.clone(),
             residual: found.residual,
             drift: found.drift,
-            energy_error: self.system.energy_error(unknown, &found.evaluation),
+            damping_ratio,
+            energy_error,
             turns: false,
         }
     }

@@ -25,7 +25,7 @@ impl<'a, F: PointwiseForce> Probe<'a, F> {
         motion: &Motion,
         sampling: Sampling,
     ) -> Self {
-        let system = System::new(line, force, Load::force(row), 0.0, [0.0; 2], &[], sampling);
+        let system = System::new(line, force, Load::force(row), 0.0, [0.0; 2], sampling);
         let v = motion.displacement.with_count(sampling.harmonics);
         let square = motion.omega * motion.omega;
         let mut unknown = Unknown {

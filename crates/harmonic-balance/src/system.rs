@@ -197,7 +197,6 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         load: Load,
         background: f64,
         rayleigh: [f64; 2],
-        dampers: &'a [Vec<f64>],
         sampling: Sampling,
     ) -> Self {
         let mass = line.mass().packed();
@@ -224,15 +223,22 @@ impl<'a, F: PointwiseForce> System<'a, F> {
             elastic,
             averaged: None,
             rayleigh,
-            dampers,
-            damped: (0..line.eigenvalues.len())
-                .map(|mode| {
-                    let shape = line.shapes.col_as_slice(mode);
-                    dampers.iter().map(|damper| dot(damper, shape).powi(2)).sum()
-                })
-                .collect(),
+            dampers: &[],
+            damped: vec![0.0; line.eigenvalues.len()],
             load,
             sampling,
+        }
+    }
+
+    /// With the viscous dampers of the structure.
+    pub(crate) fn with_dampers(self) -> Self {
+        let line = self.line;
+        Self {
+            dampers: &line.dampers,
+            damped: (0..line.eigenvalues.len())
+                .map(|mode| line.damper_coefficient(mode))
+                .collect(),
+            ..self
         }
     }
 
@@ -546,14 +552,14 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         PI * unknown.at(Parameter::Force) * self.load.factor(unknown.at(Parameter::Square)) * behind
     }
 
-    /// What the forces of a driven motion take over a period less what its force gives, relative to the energy of the first harmonic: `4 pi` times a
-    /// damping ratio.
-    pub(crate) fn energy_error(&self, unknown: &Unknown, evaluation: &Evaluation) -> f64 {
+    /// Damping ratio of a driven motion by what its force gives over a period, and the error of that: what forces take is more or less. Both are over `4 pi`
+    /// times the energy of the first harmonic.
+    pub(crate) fn damping_ratio(&self, unknown: &Unknown, evaluation: &Evaluation) -> [f64; 2] {
         let supplied = self.supplied_work(unknown);
         let taken = evaluation.contact.work(&unknown.v) + self.viscous_work(unknown);
         let ([c, s], [mc, ms]) = (unknown.v.pair(1), evaluation.inertia.pair(1));
         let square: f64 = c.iter().zip(mc).chain(s.iter().zip(ms)).map(|(v, m)| v * m).sum();
-        (taken - supplied).abs() / (2.0 * PI * unknown.at(Parameter::Square) * square)
+        [supplied, (taken - supplied).abs()].map(|work| work / (2.0 * PI * unknown.at(Parameter::Square) * square))
     }
 
     /// The residual's energy norm with the stiffness itself in the place of what was carried along, relative to that of the first

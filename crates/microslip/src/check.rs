@@ -37,11 +37,9 @@ pub enum Demand {
 /// # Errors
 /// A file that cannot be read, or is no summary of a run.
 pub fn read(directory: &Path) -> Result<(Summary, Scene)> {
-    let path = directory.join(SUMMARY);
-    let text = file_io::input::read_text(&path, file_io::input::Kind::Table)?;
-    let summary: Summary = files::parse(&path, &text, files::A_SUMMARY)?;
-    let scene =
-        Scene::from_summary(&summary.scene, &BENCHMARKS).with_context(|| format!("reading {}", path.display()))?;
+    let summary = files::summary(directory)?;
+    let scene = Scene::from_summary(&summary.scene, &BENCHMARKS)
+        .with_context(|| format!("reading {}", directory.join(SUMMARY).display()))?;
     Ok((summary, scene))
 }
 

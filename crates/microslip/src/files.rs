@@ -1,9 +1,12 @@
 //! Folders of results, each written by one command at a time and replaced as a set.
 
 use crate::progress::Display;
+use analyses::results::summary::Summary;
 use anyhow::{Result, anyhow};
 use file_io::durable::{Folder, Identity};
+use file_io::input::{Kind, read_text};
 use reports::Output;
+use reports::names::SUMMARY;
 use scenes::read_json;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -53,6 +56,16 @@ impl Overwrite {
 pub fn publish(folder: Folder, outputs: &[Output]) -> Result<()> {
     let files: Vec<(&str, &[u8])> = outputs.iter().map(|o| (o.name.as_str(), &o.contents[..])).collect();
     Ok(folder.publish(&files)?)
+}
+
+/// The summary of the run in a folder.
+///
+/// # Errors
+/// A file that cannot be read, or is no summary of a run.
+pub(crate) fn summary(folder: &Path) -> Result<Summary> {
+    let path = folder.join(SUMMARY);
+    let text = read_text(&path, Kind::Table)?;
+    parse(&path, &text, A_SUMMARY)
 }
 
 /// What is read where a run is named.

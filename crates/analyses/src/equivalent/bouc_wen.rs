@@ -2,7 +2,6 @@
 //! (1976) 249-263.
 
 use super::fit::{Columns, Family, Stiffnesses};
-use super::level::Hysteretic;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 use std::sync::LazyLock;
@@ -19,18 +18,6 @@ pub struct BoucWen {
     pub yield_displacement: f64,
     /// `n`: at small amplitudes dissipation grows with the power `n + 2`.
     pub n: f64,
-}
-
-impl Hysteretic for BoucWen {
-    fn stiffness(&self, u: f64) -> f64 {
-        let (shape, linear) = self.apart();
-        Self::columns(u, shape).stiffness(linear)
-    }
-
-    fn dissipation(&self, u: f64) -> f64 {
-        let (shape, linear) = self.apart();
-        Self::columns(u, shape).dissipation(linear)
-    }
 }
 
 /// Beyond this, `1 - e^-v` is one to the last digit.

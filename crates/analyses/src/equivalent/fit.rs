@@ -51,7 +51,7 @@ impl Columns {
 }
 
 /// Elements of a displacement (at which all slips), a positive power, and stiffnesses of which all but the first may be zero.
-pub(super) trait Family: Hysteretic + Sized {
+pub(super) trait Family: Sized {
     /// Which stiffnesses are there, from the fewest to the most.
     const CHOICES: &'static [[bool; 3]];
 
@@ -61,6 +61,18 @@ pub(super) trait Family: Hysteretic + Sized {
 
     /// What [`Family::of`] makes it from.
     fn apart(&self) -> ([f64; 2], Stiffnesses);
+}
+
+impl<F: Family> Hysteretic for F {
+    fn stiffness(&self, u: f64) -> f64 {
+        let (shape, linear) = self.apart();
+        Self::columns(u, shape).stiffness(linear)
+    }
+
+    fn dissipation(&self, u: f64) -> f64 {
+        let (shape, linear) = self.apart();
+        Self::columns(u, shape).dissipation(linear)
+    }
 }
 
 /// How far an element is from levels, relative.

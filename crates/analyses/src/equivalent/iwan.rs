@@ -2,7 +2,6 @@
 //! DOI 10.1115/1.1989354.
 
 use super::fit::{Columns, Family, Stiffnesses};
-use super::level::Hysteretic;
 use serde::{Deserialize, Serialize};
 
 /// Sliders in parallel, each with a spring of unit stiffness: `rho(phi) = R phi^chi` of them slip at the displacement `phi` up to `phi_max`, and a
@@ -25,18 +24,6 @@ impl Iwan {
     /// `phi_max`: displacement from which all slips (eq. 27 of Segalman).
     pub fn largest_displacement(&self) -> f64 {
         self.slip_force * (1.0 + self.beta) / (self.stiffness * (self.beta + (self.chi + 1.0) / (self.chi + 2.0)))
-    }
-}
-
-impl Hysteretic for Iwan {
-    fn stiffness(&self, u: f64) -> f64 {
-        let (shape, linear) = self.apart();
-        Self::columns(u, shape).stiffness(linear)
-    }
-
-    fn dissipation(&self, u: f64) -> f64 {
-        let (shape, linear) = self.apart();
-        Self::columns(u, shape).dissipation(linear)
     }
 }
 

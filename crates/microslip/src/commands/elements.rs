@@ -3,13 +3,10 @@
 use super::destination::default_directory;
 use crate::files::{self, Overwrite};
 use crate::text::print;
-use analyses::results::summary::Summary;
 use anyhow::{Result, ensure};
 use file_io::durable::Identity;
-use file_io::input::{self, Kind};
 use reports::Output;
 use reports::elements::{self, Coordinate, Family};
-use reports::names::SUMMARY;
 use std::path::Path;
 
 /// What is written of a run.
@@ -27,8 +24,7 @@ pub(super) fn export(folder: &Path, of: Elements, name: &str, out: Option<&Path>
         "{} is no folder; --format {name} takes the folder of a finished run, which `microslip run` writes",
         folder.display()
     );
-    let path = folder.join(SUMMARY);
-    let summary: Summary = files::parse(&path, &input::read_text(&path, Kind::Table)?, files::A_SUMMARY)?;
+    let summary = files::summary(folder)?;
     let run = summary.scene["name"].as_str().unwrap_or_default().to_owned();
     ensure!(
         summary.scene.pointer("/model/symmetry").and_then(|of| of.as_str()) != Some("half"),

@@ -133,12 +133,6 @@ fn read(folder: &Path, file: &str) -> Result<Vec<u8>> {
     Ok(input::read(&folder.join(file), File::Table)?)
 }
 
-fn summary(folder: &Path) -> Result<Summary> {
-    let path = folder.join(SUMMARY);
-    let text = input::read_text(&path, File::Table)?;
-    files::parse(&path, &text, files::A_SUMMARY)
-}
-
 /// The summary as that of one mode, and the mode's number where it is not the first followed.
 fn of_mode(folder: &Path, summary: &Summary, mode: Option<usize>) -> Result<(Option<usize>, Summary)> {
     let first = summary.first_mode();
@@ -164,7 +158,7 @@ const FLUX: &str = "flux_total [J/m^2]";
 fn flux(folders: &[PathBuf], mode: Option<usize>, amplitude: Option<usize>) -> Result<String> {
     let mut all: Vec<(String, Surface, Vec<f64>)> = Vec::new();
     for folder in folders {
-        let (further, summary) = of_mode(folder, &summary(folder)?, mode)?;
+        let (further, summary) = of_mode(folder, &files::summary(folder)?, mode)?;
         let of = |number: usize| amplitude_file(further, number);
         let stored: Vec<usize> = (1..=summary.backbone.len())
             .filter(|&n| folder.join(of(n)).exists())
@@ -272,7 +266,7 @@ fn modes(folder: &Path) -> Result<String> {
 fn bands(folders: &[PathBuf], mode: Option<usize>) -> Result<String> {
     let mut all = Vec::new();
     for folder in folders {
-        let summary = summary(folder)?;
+        let summary = files::summary(folder)?;
         let (further, of) = of_mode(folder, &summary, mode)?;
         let number = further.unwrap_or(summary.first_mode());
         let found = paper::Spread::of(&name(folder), &of, number);

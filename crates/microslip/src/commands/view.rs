@@ -5,7 +5,6 @@ use crate::files;
 use crate::text::print;
 use analyses::results::summary::Summary;
 use anyhow::{Result, ensure};
-use reports::names::SUMMARY;
 use reports::several::{self, Entry};
 use std::path::PathBuf;
 
@@ -29,10 +28,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
             "{} is no folder; give the folders of results, which `microslip run` writes",
             folder.display()
         );
-        let path = folder.join(SUMMARY);
-        let text = file_io::input::read_text(&path, file_io::input::Kind::Table)?;
-        let summary: Summary = files::parse(&path, &text, files::A_SUMMARY)?;
-        runs.push(summary);
+        runs.push(files::summary(folder)?);
     }
     let name = |summary: &Summary| summary.scene["name"].as_str().unwrap_or_default().to_owned();
     let names: Vec<String> = runs
