@@ -92,7 +92,6 @@ pub enum Error {
     #[error("writing a table")]
     Table(#[from] csv::Error),
     /// A table could not be written as Parquet.
-    #[cfg(feature = "parquet")]
     #[error("writing a table as Parquet")]
     Parquet(#[from] parquet::errors::ParquetError),
     /// A picture or a page.

@@ -3,7 +3,6 @@
 mod case;
 mod design;
 mod error;
-#[cfg(feature = "parquet")]
 mod parquet_table;
 mod plan;
 mod report;

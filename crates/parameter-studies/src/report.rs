@@ -52,7 +52,6 @@ pub fn outputs(study: &Study<'_>, store: &Store, facts: &[(String, String)]) -> 
     })?;
     plan.push(b'\n');
     let mut outputs = vec![Output::new(CSV, table.csv()?), Output::new(PLAN, plan)];
-    #[cfg(feature = "parquet")]
     outputs.push(Output::new(crate::table::PARQUET, table.parquet()?));
     drop(table);
     let facts = HtmlTable {
@@ -67,10 +66,7 @@ pub fn outputs(study: &Study<'_>, store: &Store, facts: &[(String, String)]) -> 
         title: "The study",
         inputs: "What was run, and what came of it.",
         findings: Ok(Findings {
-            judgement: match cfg!(feature = "parquet") {
-                true => "The tables results.csv and results.parquet hold every case, mode and amplitude.",
-                false => "The table results.csv holds every case, mode and amplitude.",
-            },
+            judgement: "The tables results.csv and results.parquet hold every case, mode and amplitude.",
             pictures: Vec::new(),
             tables: vec![(String::new(), facts)],
             remark: String::new(),

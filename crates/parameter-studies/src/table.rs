@@ -25,7 +25,6 @@ pub(crate) struct Table {
 pub(super) struct Column {
     pub(super) name: String,
     /// Whether every row has a value.
-    #[cfg_attr(not(feature = "parquet"), expect(dead_code, reason = "CSV knows no schema"))]
     pub(super) required: bool,
     pub(super) data: Data,
 }

@@ -119,7 +119,8 @@ fn a_power_law_of_damping_is_a_straight_line_and_runs_have_a_legend() {
 }
 
 #[test]
-fn runs_have_maps_and_bands() {
+#[ignore = "twenty seconds; the gates run it"]
+fn slow_runs_have_maps_and_bands() {
     let folder = folder("plot-run");
     let scene = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },

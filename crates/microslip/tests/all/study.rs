@@ -12,10 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-const TABLES: &[&str] = match cfg!(feature = "parquet") {
-    true => &["results.csv", "results.parquet"],
-    false => &["results.csv"],
-};
+const TABLES: [&str; 2] = ["results.csv", "results.parquet"];
 const FIXTURES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures");
 
 /// The coarse beam with two amplitudes.
@@ -168,7 +165,6 @@ fn tables_are_the_same_by_one_thread_by_two_and_in_parts_and_no_case_is_run_twic
     // The resolved plan is a plan of the same cases, in its own order.
     succeeds(&folder, &["study", "two/plan.json", "--out", "again", "--cache", "a"]);
     assert_eq!(expected, tables(&folder, "again"));
-    #[cfg(feature = "parquet")]
     same_in_parquet(&folder.join("two"), &rows);
 }
 
@@ -330,7 +326,6 @@ fn what_cases_learn_does_not_depend_on_the_order_of_a_plan() {
 }
 
 /// Asserts that the Parquet file holds the rows of the CSV file.
-#[cfg(feature = "parquet")]
 fn same_in_parquet(results: &Path, rows: &[Vec<&str>]) {
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;

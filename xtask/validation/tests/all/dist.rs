@@ -149,7 +149,7 @@ fn the_list_of_components_has_what_the_format_asks_for() {
     assert!(faer["hashes"].is_array() && faer["purl"].as_str().unwrap().starts_with("pkg:cargo/faer@"));
     assert!(one("analyses").unwrap()["hashes"].is_null());
     // Macros, tests and tasks are no part of the program.
-    for name in ["serde_derive", "proptest", "validation", "parquet", "pyo3"] {
+    for name in ["serde_derive", "proptest", "validation", "boon", "pyo3"] {
         assert!(one(name).is_none(), "{name}");
     }
 }
