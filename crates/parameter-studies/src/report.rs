@@ -4,7 +4,7 @@ use crate::Error;
 use crate::design::{Column, Kind};
 use crate::store::Store;
 use crate::study::Study;
-use crate::table::{CSV, Table};
+use crate::table::{CSV, PARQUET, Table};
 use analyses::variants::{Curve, Reading, VariantPoint};
 use reports::Output;
 use reports::cases::{Amplitude, Cases, Factor, interactions, main_effects};
@@ -43,7 +43,7 @@ struct Drawn {
 /// The files of a study: tables, plan and page; `facts` are pairs of a name and a figure for the page.
 ///
 /// # Errors
-/// [`Error::Table`], [`Error::Report`]; one of Parquet, where it is built in.
+/// [`Error::Table`], [`Error::Parquet`], [`Error::Report`].
 pub fn outputs(study: &Study<'_>, store: &Store, facts: &[(String, String)]) -> Result<Vec<Output>, Error> {
     let table = Table::new(study, store);
     let mut plan = serde_json::to_vec_pretty(&study.resolved()).map_err(|source| Error::Encoding {
@@ -51,8 +51,11 @@ pub fn outputs(study: &Study<'_>, store: &Store, facts: &[(String, String)]) -> 
         source,
     })?;
     plan.push(b'\n');
-    let mut outputs = vec![Output::new(CSV, table.csv()?), Output::new(PLAN, plan)];
-    outputs.push(Output::new(crate::table::PARQUET, table.parquet()?));
+    let mut outputs = vec![
+        Output::new(CSV, table.csv()?),
+        Output::new(PLAN, plan),
+        Output::new(PARQUET, table.parquet()?),
+    ];
     drop(table);
     let facts = HtmlTable {
         headings: vec!["of the study".into(), "figure".into()],
