@@ -73,7 +73,7 @@ impl Jet {
     }
 
     pub(crate) fn cos(self) -> Self {
-        let (sin, cos) = (self.value.sin(), self.value.cos());
+        let (sin, cos) = self.value.sin_cos();
         self.apply([cos, -sin, -cos])
     }
 

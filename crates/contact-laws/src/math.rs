@@ -12,7 +12,7 @@ pub(crate) trait Float {
     fn hypot(self, other: Self) -> Self;
     fn atan(self) -> Self;
     fn sin(self) -> Self;
-    fn cos(self) -> Self;
+    fn sin_cos(self) -> (Self, Self);
 }
 
 impl Float for f64 {
@@ -56,7 +56,7 @@ impl Float for f64 {
         libm::sin(self)
     }
 
-    fn cos(self) -> Self {
-        libm::cos(self)
+    fn sin_cos(self) -> (Self, Self) {
+        libm::sincos(self)
     }
 }

@@ -15,6 +15,9 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// Damping ratio by which a loop may stay open whatever it dissipates: no structure is damped so little.
+const NEGLIGIBLE: f64 = 1e-8;
+
 /// When the history reached becomes the one that later solves start from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -564,7 +567,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         match self.settings.cycles {
             Cycles::Fixed(_) => false,
             Cycles::UntilClosed { tolerance, .. } => {
-                open <= self.noise() || open <= tolerance * hysteresis.zeta(self.peak).abs()
+                open <= self.noise().max(NEGLIGIBLE) || open <= tolerance * hysteresis.zeta(self.peak).abs()
             }
         }
     }

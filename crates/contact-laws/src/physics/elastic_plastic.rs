@@ -143,8 +143,10 @@ pub(super) struct Plastic {
     ceb_factor: f64,
     /// `F_c` (N).
     critical_force: f64,
-    /// `H/E`.
-    hardening: f64,
+    /// `ln(H/E)`; none without hardening.
+    hardening: Option<f64>,
+    /// `1 - exp(-3.3 H/E)`.
+    elastic_share: f64,
     /// `-2 sqrt(E/S) / ((4 - 3 exp(-2 sqrt(E/S) H/E)) (1 - H/E))`.
     blending: f64,
 }
@@ -330,7 +332,8 @@ impl Plastic {
             exponent: 0.14 * (11.5 * strength / composite).min(LARGEST_EXPONENT).exp(),
             ceb_factor: ceb_factor(material.poisson_ratio),
             critical_force,
-            hardening,
+            hardening: (hardening > 0.0).then(|| hardening.ln()),
+            elastic_share: -(-3.3 * hardening).exp_m1(),
             blending: slenderness / ((4.0 - 3.0 * (slenderness * hardening).exp()) * (1.0 - hardening)),
         })
     }
@@ -376,24 +379,26 @@ impl Plastic {
         let radius = asperity.radius;
         let w = Jet::variable(w.min(LARGEST_RATIO * self.delta_y));
         let ratio = w * (1.0 / self.delta_y);
-        let growth = ((ratio * (1.0 / ONSET)).ln() * (0.5 * self.exponent)).at_most(LARGEST_EXPONENT);
+        // Of all powers: that of a logarithm costs half as much as the power itself.
+        let log = ratio.ln();
+        let growth = ((log - Jet::constant(ONSET.ln())) * (0.5 * self.exponent)).at_most(LARGEST_EXPONENT);
         // `pi C S R/(2 E*) = sqrt(R delta_y)`.
         let plastic_radius = ratio.power(0.5) * growth.exp() * (radius * self.delta_y).sqrt();
-        let share = if self.hardening > 0.0 {
-            let power = Jet::constant(1.0) - (w - Jet::constant(self.delta_y)) * (0.25 / radius);
-            let power = (power * self.hardening.ln()).at_most(LARGEST_EXPONENT);
-            (power.exp() * self.blending).exp()
-        } else {
-            Jet::constant(1.0)
+        let share = match self.hardening {
+            Some(hardening) => {
+                let power = Jet::constant(1.0) - (w - Jet::constant(self.delta_y)) * (0.25 / radius);
+                let power = (power * hardening).at_most(LARGEST_EXPONENT);
+                (power.exp() * self.blending).exp()
+            }
+            None => Jet::constant(1.0),
         };
         let contact_radius = elastic.radius + (plastic_radius - elastic.radius) * share;
         let pressure = pressure(radius, contact_radius);
-        let contained = (ratio.power(5.0 / 12.0) * -0.25).exp() * ratio.power(1.5);
-        let full = Jet::constant(1.0) - (ratio.power(5.0 / 9.0) * (-1.0 / 25.0)).exp();
+        let contained = ((log * (5.0 / 12.0)).exp() * -0.25).exp() * ratio.power(1.5);
+        let full = Jet::constant(1.0) - ((log * (5.0 / 9.0)).exp() * (-1.0 / 25.0)).exp();
         let plastic = (contained + pressure * full * ratio * (4.0 / self.yield_factor)) * self.critical_force;
-        let elastic_share = -(-3.3 * self.hardening).exp_m1();
         Contact {
-            force: plastic + (elastic.force - plastic) * elastic_share,
+            force: plastic + (elastic.force - plastic) * self.elastic_share,
             radius: contact_radius,
         }
     }
