@@ -3,13 +3,13 @@
 use crate::Error;
 use crate::force::HystereticForce;
 use crate::hysteresis::Loop;
-use crate::linear::{Motion, dot};
+use crate::linear::Motion;
 use crate::modes::{Linearisation, Mode};
 use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
 use crate::sensitivity::{Derivatives, DifferentiableForce, Follower, LoopRate};
 use contact_laws::{RegimeCounts, Sticking};
-use dense_algebra::{Inner, Vector};
+use dense_algebra::{Inner, Vector, dot};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;

@@ -4,7 +4,7 @@
 use crate::Error;
 use crate::force::PatternView;
 use dense_algebra::{
-    ConjugateResiduals, Factor, Inner, Inverse, ReflectedInverse, Reflection, SystemMatrixRef, Vector,
+    ConjugateResiduals, Factor, Inner, Inverse, ReflectedInverse, Reflection, SystemMatrixRef, Vector, dot,
 };
 use faer::{Mat, MatRef};
 
@@ -26,18 +26,6 @@ const POWERS: usize = 8;
 
 /// Most directions that are kept for right-hand sides that share a matrix.
 const MOST_SEARCHED: usize = 400;
-
-/// The sum of the products, eight of which are added up beside one another.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (a, last_of_a) = a.as_chunks::<8>();
-    let (b, last_of_b) = b.as_chunks::<8>();
-    let mut sums = [0.0; 8];
-    for (a, b) in a.iter().zip(b) {
-        (0..8).for_each(|i| sums[i] += a[i] * b[i]);
-    }
-    let rest: f64 = last_of_a.iter().zip(last_of_b).map(|(a, b)| a * b).sum();
-    sums.iter().sum::<f64>() + rest
-}
 
 /// A displacement `v` and the force `p = P v` that would hold it in the stuck structure.
 ///

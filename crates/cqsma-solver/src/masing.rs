@@ -6,11 +6,12 @@
 
 use crate::Error;
 use crate::force::HystereticForce;
-use crate::linear::{Motion, dot};
+use crate::linear::Motion;
 use crate::loading::{LoadingPoint, Settings, check, finished, follow};
 use crate::modes::{Linearisation, Mode};
 use crate::newton::Sequence;
 use crate::path::Path;
+use dense_algebra::dot;
 
 /// One sweep through `modal_forces` (sqrt(kg) m/s^2), positive and ascending.
 ///

@@ -3,10 +3,10 @@
 use crate::Error;
 use crate::error::check_size;
 use crate::force::{HystereticForce, PatternView};
-use crate::linear::{RoundOff, Stuck, UnitLoad, dot, solve_krylov, symmetrised};
+use crate::linear::{RoundOff, Stuck, UnitLoad, solve_krylov, symmetrised};
 use crate::newton::Equilibrium;
 use contact_laws::Sticking;
-use dense_algebra::{Inner, Limits, SystemMatrixRef};
+use dense_algebra::{Inner, Limits, SystemMatrixRef, dot};
 use faer::Mat;
 
 /// The prestressed structure, ready for its loops.

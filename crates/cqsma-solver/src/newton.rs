@@ -1,9 +1,9 @@
 //! Newton's method for the equilibrium of a structure with a hysteretic force.
 
 use crate::force::HystereticForce;
-use crate::linear::{Border, Motion, RoundOff, Stuck, dot, solve_direct, solve_krylov};
+use crate::linear::{Border, Motion, RoundOff, Stuck, solve_direct, solve_krylov};
 use contact_laws::{RegimeCounts, Sticking};
-use dense_algebra::{Limits, SystemMatrixRef, Vector};
+use dense_algebra::{Limits, SystemMatrixRef, Vector, dot};
 
 /// Round-off of the forces, relative to that of one evaluation, that a residual may add up to.
 const NOISE: f64 = 8.0;

@@ -1,10 +1,10 @@
 //! Equilibria along a load factor: prediction, step halving, commits.
 
 use crate::force::HystereticForce;
-use crate::linear::{Motion, UnitLoad, dot};
+use crate::linear::{Motion, UnitLoad};
 use crate::newton::{Balance, Equilibrium, Failure, Goal, LinearSolver, Load, NewtonSettings, Reason, Sequence};
 use contact_laws::{RegimeCounts, Sticking};
-use dense_algebra::{SystemMatrixRef, Vector};
+use dense_algebra::{SystemMatrixRef, Vector, dot};
 
 /// Smallest step of the load factor, relative to its range, before a failure is final.
 const SMALLEST_STEP: f64 = 1e-3;

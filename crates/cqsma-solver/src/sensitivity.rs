@@ -25,12 +25,12 @@
 
 use crate::force::HystereticForce;
 use crate::hysteresis::Loop;
-use crate::linear::{TransposedSolves, dot};
+use crate::linear::TransposedSolves;
 use crate::modes::{Linearisation, Mode};
 use crate::path::Path;
 use crate::prestress::Prestress;
 use contact_laws::Sticking;
-use dense_algebra::SystemMatrixRef;
+use dense_algebra::{SystemMatrixRef, dot};
 use faer::{Mat, MatRef};
 
 /// Accuracy of the linear solves, relative in the energy norm. Damping is the small difference of large parts, and so is its derivative.

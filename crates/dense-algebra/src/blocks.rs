@@ -4,7 +4,7 @@
 //! follow them, bases `B_g` of few columns, and a small dense core `C`. Memory and products cost the sum of the squares of the groups.
 
 use crate::packed::Symmetric;
-use crate::{Error, cholesky_in_place, product, solve_general_all};
+use crate::{Error, cholesky_in_place, dot, product, solve_general_all};
 use faer::{Mat, MatRef};
 use std::sync::Arc;
 
@@ -492,10 +492,6 @@ fn put_beside(direction: &mut [f64], basis: &[Vec<f64>], least: f64) -> bool {
         direction.iter_mut().for_each(|v| *v /= left);
     }
     is_new
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn add(to: &mut [f64], factor: f64, from: &[f64]) {

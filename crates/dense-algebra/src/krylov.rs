@@ -1,6 +1,6 @@
 //! Block Lanczos steps in the inner product of a mass, for the lowest pairs of matrices that are solved with.
 
-use crate::{Error, add_product, product, product_into};
+use crate::{Error, add_product, dot, product, product_into};
 use faer::{Mat, MatMut, MatRef, unzip, zip};
 use std::ops::Range;
 
@@ -48,7 +48,7 @@ impl Krylov {
         for _ in 0..2 {
             multiply(block.as_ref(), momentum.as_mut());
             let initial: Vec<f64> = (0..block.ncols())
-                .map(|j| dot(&block, j, &momentum, j).max(0.0).sqrt())
+                .map(|j| dot(block.col_as_slice(j), momentum.col_as_slice(j)).max(0.0).sqrt())
                 .collect();
             let coefficients = product(self.basis.transpose(), momentum.as_ref());
             add_product(block.as_mut(), self.basis.as_ref(), coefficients.as_ref(), -1.0);
@@ -132,10 +132,6 @@ impl Krylov {
     }
 }
 
-fn dot(a: &Mat<f64>, i: usize, b: &Mat<f64>, j: usize) -> f64 {
-    a.col(i).iter().zip(b.col(j).iter()).map(|(a, b)| a * b).sum()
-}
-
 /// Modified Gram-Schmidt on the columns of `block` in the mass inner product, with the mass times them alongside.
 ///
 /// Columns left with less than 1e-12 of their `initial` norm are dropped. Returns the coefficients of the old columns
@@ -146,14 +142,16 @@ fn orthonormalise(block: &mut Mat<f64>, momentum: &mut Mat<f64>, initial: &[f64]
     let mut kept = 0;
     for column in 0..width {
         for other in 0..kept {
-            let along = dot(block, column, momentum, other);
+            let along = dot(block.col_as_slice(column), momentum.col_as_slice(other));
             coefficients[(other, column)] = along;
             for vectors in [&mut *block, &mut *momentum] {
                 let (before, from) = vectors.as_mut().split_at_col_mut(column);
                 zip!(from.col_mut(0), before.col(other)).for_each(|unzip!(a, b)| *a -= along * b);
             }
         }
-        let norm = dot(block, column, momentum, column).max(0.0).sqrt();
+        let norm = dot(block.col_as_slice(column), momentum.col_as_slice(column))
+            .max(0.0)
+            .sqrt();
         // `!(a > b)` also catches NaN.
         if !(norm > 1e-12 * initial[column]) {
             continue;

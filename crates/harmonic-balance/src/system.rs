@@ -24,7 +24,7 @@ use crate::harmonics::{Harmonics, add_rotated};
 use crate::load::Load;
 use cqsma_solver::Linearisation;
 use cqsma_solver::sensitivity::ParameterRate;
-use dense_algebra::{Inverse, Packed, Vector};
+use dense_algebra::{Inverse, Packed, Vector, dot};
 use faer::{Mat, MatRef};
 use nalgebra::Complex;
 use std::f64::consts::PI;
@@ -152,10 +152,6 @@ pub(crate) struct System<'a, F: PointwiseForce> {
     damped: Vec<f64>,
     pub(crate) load: Load,
     sampling: Sampling,
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// `y += a x`.

@@ -4,12 +4,12 @@ use super::motion::{Energy, Sample, Settings, Start};
 use super::scheme::Scheme;
 use crate::Error;
 use crate::force::HystereticForce;
-use crate::linear::{Motion, RoundOff, Stuck, dot};
+use crate::linear::{Motion, RoundOff, Stuck};
 use crate::modes::{Linearisation, Mode};
 use crate::newton::{Equilibrium, Failure, Goal, Load, NewtonSettings, Reason, Sequence};
 use crate::path::Path;
 use contact_laws::Sticking;
-use dense_algebra::{Inner, Packed, SystemMatrix, Vector};
+use dense_algebra::{Inner, Packed, SystemMatrix, Vector, dot};
 
 /// Equal steps of the modal force that a released motion is loaded in.
 const LOADING_STEPS: usize = 16;
