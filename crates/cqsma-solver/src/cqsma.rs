@@ -45,7 +45,7 @@ pub enum Cycles {
     /// Closed is a loop of modal force and amplitude, not the motion of every point: points under low pressure may creep on
     /// from cycle to cycle for ever, without a change of frequency or damping.
     UntilClosed {
-        /// Part of the damping ratio that the gap between the ends of the loop may make up.
+        /// Part of the damping ratio that the gap between the ends of the loop may make up; a gap of 1e-8 counts for nothing.
         tolerance: f64,
         /// Most cycles, the measured one included.
         most: usize,

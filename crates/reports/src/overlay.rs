@@ -1,10 +1,11 @@
 //! Backbones on shared axes: frequency above, damping ratio below.
 
-use crate::answer::percent;
-use crate::plot::{Canvas, Curve, Marks, bounds, log, panel, picture, power, ticks, widen};
+use crate::answer::{length, percent};
+use crate::plot::{Canvas, Curve, Marks, Numbers, bounds, log, panel, picture, power, ticks, widen};
 use crate::styles::COLOURS;
 use crate::{Drawing, Error};
 use analyses::comparison::{Backbone, Point};
+use modal_identification::signal::Quantity;
 use plotters::prelude::*;
 use std::ops::Range;
 
@@ -22,19 +23,29 @@ pub struct Series<'a> {
     pub band: Option<[&'a Backbone; 2]>,
 }
 
-/// The series on a picture of their own; `label` names the amplitudes.
+/// Name of amplitudes at the response point beside their axis, and how its numbers are written: lengths with the unit that suits each.
+pub(crate) fn abscissa(quantity: Quantity) -> (String, Numbers) {
+    let name = format!("{quantity} amplitude at the response point");
+    match quantity {
+        Quantity::Displacement => (name, |x| length(*x)),
+        Quantity::Velocity | Quantity::Acceleration => (format!("{name} [{}]", quantity.unit()), power),
+    }
+}
+
+/// The series over amplitudes of this quantity, on a picture of their own.
 ///
 /// # Errors
 /// [`Error::Picture`].
-pub fn svg(series: &[Series<'_>], label: &str) -> Result<String, Error> {
+pub fn svg(series: &[Series<'_>], quantity: Quantity) -> Result<String, Error> {
     picture("the comparison", SIZE, |root| {
         let (upper, lower) = root.split_vertically(SIZE.1 / 2 - 15);
-        draw([&upper, &lower], series, label)
+        draw([&upper, &lower], series, quantity)
     })
 }
 
 /// Draws the series into two areas of equal width.
-pub(crate) fn draw([upper, lower]: [&Canvas<'_>; 2], series: &[Series<'_>], label: &str) -> Result<(), Drawing> {
+pub(crate) fn draw([upper, lower]: [&Canvas<'_>; 2], series: &[Series<'_>], quantity: Quantity) -> Result<(), Drawing> {
+    let (label, amplitude) = abscissa(quantity);
     let amplitudes = series.iter().flat_map(|s| s.backbone.range());
     let x = widen(&bounds(amplitudes).unwrap_or(0.1..1.0), 1.1);
     let x_ticks = ticks(&x);
@@ -48,7 +59,7 @@ pub(crate) fn draw([upper, lower]: [&Canvas<'_>; 2], series: &[Series<'_>], labe
         start - margin..end + margin,
         "frequency [Hz]",
         "",
-        [&power, &|f| format!("{f:.2}")],
+        [&amplitude, &|f| format!("{f:.2}")],
         &frequency,
         &[],
         SeriesLabelPosition::LowerLeft,
@@ -62,8 +73,8 @@ pub(crate) fn draw([upper, lower]: [&Canvas<'_>; 2], series: &[Series<'_>], labe
         log(&x, &x_ticks),
         log(&y, &y_ticks),
         "damping ratio",
-        label,
-        [&power, &|zeta| percent(*zeta)],
+        &label,
+        [&amplitude, &|zeta| percent(*zeta)],
         &damping,
         &[],
         SeriesLabelPosition::LowerRight,

@@ -1,17 +1,19 @@
 //! Pictures for a column of a paper: 85 mm wide, texts of 8 pt, curves told apart by colour and by dashes.
 
+use crate::answer::percent;
 use crate::fields::Placed;
 use crate::map::{self, COLUMN};
 use crate::markup::escape;
 use crate::modes::{Scenery, WIDTH};
-use crate::overlay::Series;
-use crate::plot::{Band, Curve, Marks, Panel, column, plain, power};
+use crate::overlay::{Series, abscissa};
+use crate::plot::{Band, Curve, Marks, Numbers, Panel, column, plain, power};
 use crate::styles::COLOURS;
 use crate::{Error, interactive};
 use analyses::comparison::{Backbone, Point};
 use analyses::results::summary::Summary;
 use finite_elements::formats::vtu::Surface;
 use finite_elements::mesh::Face;
+use modal_identification::signal::Quantity;
 use plotters::prelude::SeriesLabelPosition;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -60,11 +62,11 @@ fn sized(svg: &str) -> String {
     )
 }
 
-/// Frequency above damping, over the amplitude that `label` names.
+/// Frequency above damping, over amplitudes of this quantity.
 ///
 /// # Errors
 /// [`Error::Picture`].
-pub fn backbones(series: &[Series<'_>], label: &str) -> Result<String, Error> {
+pub fn backbones(series: &[Series<'_>], quantity: Quantity) -> Result<String, Error> {
     let bands = |value: fn(&Point) -> Option<f64>| {
         let of = |(series, colour): (&Series<'_>, _)| {
             let [low, high] = series.band?;
@@ -89,12 +91,16 @@ pub fn backbones(series: &[Series<'_>], label: &str) -> Result<String, Error> {
     let damping = |point: &Point| point.damping_ratio;
     let panels = vec![
         (
-            panel("frequency [Hz]", false, curves(frequency, false)),
+            panel("frequency [Hz]", None, curves(frequency, false)),
             bands(frequency),
         ),
-        (panel("damping ratio [-]", true, curves(damping, true)), bands(damping)),
+        (
+            panel("damping ratio", Some(PERCENT), curves(damping, true)),
+            bands(damping),
+        ),
     ];
-    column(label, &power, panels).map(|svg| sized(&svg))
+    let (label, amplitude) = abscissa(quantity);
+    column(&label, &amplitude, panels).map(|svg| sized(&svg))
 }
 
 fn points(backbone: &Backbone, value: fn(&Point) -> Option<f64>) -> Vec<(usize, f64, f64)> {
@@ -117,11 +123,14 @@ fn style(index: usize, n_points: usize) -> Curve {
     }
 }
 
-fn panel(y_label: &'static str, log: bool, curves: Vec<Curve>) -> Panel {
+/// Numbers beside damping ratios.
+const PERCENT: Numbers = |ratio| percent(*ratio);
+
+fn panel(y_label: &'static str, log: Option<Numbers>, curves: Vec<Curve>) -> Panel {
     Panel {
         y_label,
         log,
-        legend: if log {
+        legend: if log.is_some() {
             SeriesLabelPosition::LowerRight
         } else {
             SeriesLabelPosition::LowerLeft
@@ -209,13 +218,14 @@ pub fn bands(runs: &[Spread]) -> Result<String, Error> {
         }
         // One point has no area.
         bands.retain(|band| band.points.len() > 1);
-        (panel(y_label, is_damping, curves), bands)
+        (panel(y_label, is_damping.then_some(PERCENT), curves), bands)
     };
     let panels = vec![
         panel_of("frequency, secant [Hz]", false),
-        panel_of("damping ratio [-]", true),
+        panel_of("damping ratio", true),
     ];
-    column("displacement amplitude at the response point [m]", &power, panels).map(|svg| sized(&svg))
+    let (label, amplitude) = abscissa(Quantity::Displacement);
+    column(&label, &amplitude, panels).map(|svg| sized(&svg))
 }
 
 /// Times and errors of a setting.
@@ -248,7 +258,7 @@ pub fn trade(parameters: &[(String, Vec<Cost>)]) -> Result<String, Error> {
                 .collect(),
             ..style(index, settings.len())
         };
-        let mut panel = panel(y_label, true, parameters.iter().enumerate().map(of).collect());
+        let mut panel = panel(y_label, Some(power), parameters.iter().enumerate().map(of).collect());
         panel.legend = SeriesLabelPosition::UpperRight;
         (panel, Vec::new())
     };

@@ -622,12 +622,15 @@ where
     Ok(())
 }
 
+/// How the numbers of an axis are written.
+pub type Numbers = fn(&f64) -> String;
+
 /// One diagram among several over the same abscissa.
 pub struct Panel {
     /// Text beside the ordinate.
     pub y_label: &'static str,
-    /// Whether its ordinate is logarithmic; then points that are not positive are left out.
-    pub log: bool,
+    /// How the numbers of a logarithmic ordinate, where points that are not positive are left out, are written; none for a linear one.
+    pub log: Option<Numbers>,
     /// Corner of the legend.
     pub legend: SeriesLabelPosition,
     /// What is drawn.
@@ -681,20 +684,21 @@ fn stack_with(
                 let drawable = |x: f64, y: f64| x.is_finite() && y.is_finite() && (!x_log || x > 0.0);
                 curve
                     .points
-                    .retain(|(_, x, y)| drawable(*x, *y) && (!diagram.log || *y > 0.0));
+                    .retain(|(_, x, y)| drawable(*x, *y) && (diagram.log.is_none() || *y > 0.0));
             }
             let range = bounds(heights(&diagram.curves, &bands)).unwrap_or(1.0..10.0);
             let (curves, legend, name) = (&diagram.curves, diagram.legend, diagram.y_label);
-            let y = if diagram.log {
+            let y = if diagram.log.is_some() {
                 widen(&range, 1.5)
             } else {
                 margin(&range)
             };
             let y_ticks = few(ticks(&y), look.ticks);
-            let (linear_text, axis) = (decimals(&y), [x_text, &power as &dyn Fn(&f64) -> String]);
+            let (linear_text, log_text) = (decimals(&y), diagram.log.unwrap_or(power));
+            let axis = [x_text, &log_text as &dyn Fn(&f64) -> String];
             let linear = [x_text, &linear_text as &dyn Fn(&f64) -> String];
             let (labels, log_x) = ([label, name], log(&x, &x_ticks));
-            match (x_log, diagram.log) {
+            match (x_log, diagram.log.is_some()) {
                 (true, true) => {
                     let y = log(&y, &y_ticks);
                     panel_with(look, &area, log_x, y, labels, axis, curves, &bands, legend)

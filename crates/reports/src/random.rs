@@ -4,7 +4,7 @@ use crate::analysis::{Analysis, Document, Section};
 use crate::csv::{number, table};
 use crate::html::{MISSING, Picture, Table};
 use crate::motions::{shade, short};
-use crate::plot::{Curve, Marks, Panel, amplitude_label, stack};
+use crate::plot::{Curve, Marks, Panel, amplitude_label, power, stack};
 use crate::{Error, Output};
 use analyses::random::{RandomModeSummary, RandomSummary};
 use analyses::results::summary::Summary;
@@ -145,7 +145,7 @@ fn picture(levels: &[RandomSummary]) -> Result<String, Error> {
         let drawn = levels.iter().enumerate().filter(|(_, level)| level.rms_response > 0.0);
         Panel {
             y_label,
-            log: true,
+            log: Some(power),
             legend: SeriesLabelPosition::UpperRight,
             curves: drawn.map(curve).collect(),
         }

@@ -261,6 +261,5 @@ fn panels(
         dashes: Some(dashes),
         band: None,
     }));
-    let label = "acceleration amplitude at the response point [m/s^2]";
-    overlay::draw([&areas[1], &areas[2]], &series, label)
+    overlay::draw([&areas[1], &areas[2]], &series, Quantity::Acceleration)
 }

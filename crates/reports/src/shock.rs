@@ -3,7 +3,7 @@
 use crate::analysis::{Analysis, Document, Section};
 use crate::csv::{number, table};
 use crate::html::{Picture, Table};
-use crate::plot::{BLUE, Curve, Marks, Panel, RED, stack};
+use crate::plot::{BLUE, Curve, Marks, Panel, RED, power, stack};
 use crate::{Error, Output};
 use analyses::shock::{ShockResponse, ShockSummary};
 use plotters::chart::SeriesLabelPosition;
@@ -113,7 +113,7 @@ fn picture(found: &ShockResponse) -> Result<String, Error> {
         let [joint, linear] = values;
         Panel {
             y_label,
-            log: false,
+            log: None,
             legend: SeriesLabelPosition::UpperRight,
             curves: vec![
                 curve("linear joint", RED, times().zip(linear)),
@@ -134,7 +134,7 @@ fn spectra(told: &ShockSummary) -> Result<String, Error> {
     let values = |values: &[f64]| of.frequency_hz.iter().copied().zip(values.to_vec()).collect::<Vec<_>>();
     let panel = Panel {
         y_label: "largest acceleration [m/s^2]",
-        log: true,
+        log: Some(power),
         legend: SeriesLabelPosition::LowerRight,
         curves: vec![
             curve("linear joint", RED, values(&of.linear).into_iter()),

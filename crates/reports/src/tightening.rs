@@ -110,7 +110,7 @@ fn picture(result: &TighteningResult) -> Result<String, Error> {
     };
     let panel = Panel {
         y_label: "tension [kN]",
-        log: false,
+        log: None,
         legend: SeriesLabelPosition::LowerRight,
         curves: (0..bolts).map(of_bolt).chain([targets]).collect(),
     };

@@ -1,6 +1,7 @@
 //! Bands from uncertain inputs: tables, pictures and what pages say of them.
 
 use crate::analysis::{Analysis, Document, Section};
+use crate::answer::{length, percent};
 use crate::csv::{number, optional, table};
 use crate::html::{Picture, Table};
 use crate::names::by_mode;
@@ -266,7 +267,8 @@ fn picture(uncertainty: &Uncertainty, mode: &ModeBands, name: &str, response: &s
         let root = root.titled(&title, ("sans-serif", 20))?;
         let x = plot::widen(&x, 1.3);
         let x_ticks = plot::ticks(&x);
-        let label = format!("{}, by the linearised mode [m]", plot::amplitude_label(response));
+        let label = format!("{}, by the linearised mode", plot::amplitude_label(response));
+        let amplitude = |x: &f64| length(*x);
         let (upper, lower) = root.split_vertically(330);
         for (area, which, colour) in [(upper, 0, BLUE), (lower, 1, RED)] {
             let (_, _, of) = QUANTITIES[which];
@@ -319,7 +321,7 @@ fn picture(uncertainty: &Uncertainty, mode: &ModeBands, name: &str, response: &s
                 (0, Some(range)) => {
                     let y = plot::margin(&range);
                     let text = plot::decimals(&y);
-                    let texts: [&dyn Fn(&f64) -> String; 2] = [&plot::power, &text];
+                    let texts: [&dyn Fn(&f64) -> String; 2] = [&amplitude, &text];
                     let legend = SeriesLabelPosition::LowerLeft;
                     plot::panel(
                         &area,
@@ -336,14 +338,14 @@ fn picture(uncertainty: &Uncertainty, mode: &ModeBands, name: &str, response: &s
                 (_, Some(range)) => {
                     let y = plot::widen(&range, 1.5);
                     let y_ticks = plot::ticks(&y);
-                    let texts: [&dyn Fn(&f64) -> String; 2] = [&plot::power, &plot::power];
+                    let texts: [&dyn Fn(&f64) -> String; 2] = [&amplitude, &|zeta| percent(*zeta)];
                     let legend = SeriesLabelPosition::LowerRight;
                     let log_y = plot::log(&y, &y_ticks);
                     plot::panel(
                         &area,
                         log_x,
                         log_y,
-                        "damping ratio [-]",
+                        "damping ratio",
                         &label,
                         texts,
                         &curves,

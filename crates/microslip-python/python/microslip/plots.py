@@ -109,6 +109,7 @@ def plot(runs: Run | Sequence[Run], kind: str = "backbone") -> Figure:
     from microslip._figure import picture
 
     from matplotlib import rc_context  # isort: skip
+    from matplotlib.ticker import EngFormatter, PercentFormatter  # isort: skip
 
     with rc_context({"font.size": 8.0}):
         if kind == "flux":
@@ -130,8 +131,11 @@ def plot(runs: Run | Sequence[Run], kind: str = "backbone") -> Figure:
         above.set_xscale("log")
         below.set_yscale("log")
         above.set_ylabel("frequency (Hz)" if kind == "backbone" else "frequency, secant (Hz)")
-        below.set_ylabel("damping ratio (-)")
-        below.set_xlabel("displacement amplitude at the response point (m)")
+        below.set_ylabel("damping ratio")
+        below.set_xlabel("displacement amplitude at the response point")
+        # Numbers with the unit that suits each, as the program writes them.
+        below.xaxis.set_major_formatter(EngFormatter(unit="m"))
+        below.yaxis.set_major_formatter(PercentFormatter(xmax=1.0))
         for axes in (above, below):
             axes.grid(visible=True, which="major", linewidth=0.5)
         if len(all_runs) > 1:

@@ -17,7 +17,6 @@ use modal_identification::signal::Quantity;
 use reports::Output;
 use reports::csv::{number, optional, table};
 use reports::overlay::{self, Series};
-use reports::plot::amplitude_label;
 use scenes::{Marginal, Parameter, Scene, Shape};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -243,8 +242,7 @@ fn pictures(found: &Calibration, measured: &[Measured]) -> Result<Vec<Output>> {
             1 => "calibration.svg".to_owned(),
             _ => format!("calibration-mode-{mode}.svg"),
         };
-        let label = format!("{} [m]", amplitude_label("the response point"));
-        outputs.push(Output::new(name, overlay::svg(&series, &label)?));
+        outputs.push(Output::new(name, overlay::svg(&series, Quantity::Displacement)?));
     }
     Ok(outputs)
 }

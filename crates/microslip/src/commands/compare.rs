@@ -526,8 +526,7 @@ fn draw(theory: &Theory, results: &[Compared], quantity: Quantity) -> Result<Str
         dashes: Some((9, 4)),
         band: None,
     }));
-    let label = format!("{quantity} amplitude at the response point [{}]", quantity.unit());
-    Ok(overlay::svg(&series, &label)?)
+    Ok(overlay::svg(&series, quantity)?)
 }
 
 fn printed(theory: &Theory, results: &[Compared], quantity: Quantity) -> String {

@@ -119,8 +119,7 @@ fn only(folders: &[PathBuf], kind: Kind) -> Result<&Path> {
 fn backbones(paths: &[PathBuf]) -> Result<String> {
     let (quantity, found) = compare::overlaid(paths)?;
     let series: Vec<Series<'_>> = found.iter().map(Overlaid::series).collect();
-    let label = format!("{quantity} amplitude at the response point [{}]", quantity.unit());
-    Ok(paper::backbones(&series, &label)?)
+    Ok(paper::backbones(&series, quantity)?)
 }
 
 fn name(folder: &Path) -> String {

@@ -10,7 +10,7 @@ use brake_reuss_beam::published::{self, BACKBONE_FLAT, BACKBONE_TOPOGRAPHY, Back
 use contact_laws::{HistoryRule, TangentialReading};
 use plotters::prelude::{RGBColor, SeriesLabelPosition};
 use reports::map::rgb;
-use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
+use reports::plot::{BLUE, Curve, Marks, Numbers, Panel, RED, power, stack};
 use reports::styles::title;
 use scenes::{Commit, Friction, Gap, Law, LawKind, Method, Scene};
 use surface_characterisation::{
@@ -88,13 +88,13 @@ fn diagrams(inputs: &Inputs, records: &[(String, &Record)], dissipation: bool) -
     let mut panels = vec![
         Panel {
             y_label: "frequency [Hz]",
-            log: false,
+            log: None,
             legend: SeriesLabelPosition::LowerLeft,
             curves: lines(FREQUENCY, true),
         },
         Panel {
             y_label: "damping ratio [-]",
-            log: true,
+            log: Some(power),
             legend: SeriesLabelPosition::LowerRight,
             curves: lines(DAMPING, false),
         },
@@ -102,7 +102,7 @@ fn diagrams(inputs: &Inputs, records: &[(String, &Record)], dissipation: bool) -
     if dissipation {
         panels.push(Panel {
             y_label: "energy per cycle [J]",
-            log: true,
+            log: Some(power),
             legend: SeriesLabelPosition::LowerRight,
             curves: lines(DISSIPATION, false),
         });
@@ -350,7 +350,7 @@ fn methods(inputs: &Inputs) -> Result<Plan<'_>> {
             ];
             let panels = panels.into_iter().map(|(y_label, log, curves)| Panel {
                 y_label,
-                log,
+                log: bool::then_some(log, power as Numbers),
                 legend: SeriesLabelPosition::LowerLeft,
                 curves,
             });
@@ -655,7 +655,7 @@ fn experiment(inputs: &Inputs) -> Result<Plan<'_>> {
             ];
             let panels = panels.into_iter().map(|(y_label, log, curves)| Panel {
                 y_label,
-                log,
+                log: bool::then_some(log, power as Numbers),
                 legend: if log {
                     SeriesLabelPosition::UpperLeft
                 } else {

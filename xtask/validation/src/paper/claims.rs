@@ -235,7 +235,7 @@ fn sliders() -> Result<(f64, String)> {
     };
     let panel = Panel {
         y_label: "energy per cycle / (mu t d) [-]",
-        log: false,
+        log: None,
         legend: SeriesLabelPosition::UpperLeft,
         curves: vec![curve(low, RED, None), curve(high, BLUE, Some((9, 5)))],
     };

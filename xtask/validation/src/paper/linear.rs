@@ -311,7 +311,7 @@ fn table_4(inputs: &Inputs) -> Result<Plan<'_>> {
             };
             let panel = |y_label, [ours, theirs]: [usize; 2], named: bool| Panel {
                 y_label,
-                log: false,
+                log: None,
                 legend: SeriesLabelPosition::LowerRight,
                 curves: [("topography", BLUE), ("flat", RED)]
                     .into_iter()

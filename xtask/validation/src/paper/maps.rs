@@ -10,7 +10,7 @@ use anyhow::{Result, bail};
 use brake_reuss_beam::published;
 use plotters::prelude::SeriesLabelPosition;
 use reports::map::{Map, several};
-use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
+use reports::plot::{BLUE, Curve, Marks, Numbers, Panel, RED, power, stack};
 use scenes::Gap;
 use zte_assembly::InterfaceMesh;
 
@@ -507,7 +507,7 @@ fn backbones(inputs: &Inputs, runs: &[&Record]) -> Result<Picture> {
     };
     let panel = |y_label, log, legend, of, named| Panel {
         y_label,
-        log,
+        log: bool::then_some(log, power as Numbers),
         legend,
         curves: curves(of, named),
     };

@@ -9,7 +9,7 @@ use brake_reuss_beam::published;
 use contact_laws::adhesion::{Adhesion, critical_interference};
 use contact_laws::{AsperitySumCurves, ContactCurves, ElasticPair, TangentialReading};
 use plotters::prelude::SeriesLabelPosition;
-use reports::plot::{BLUE, Curve, Marks, Panel, RED, stack};
+use reports::plot::{BLUE, Curve, Marks, Numbers, Panel, RED, power, stack};
 use scenes::{Gap, SyntheticScan};
 use surface_characterisation::{CorrelationOptions, ElementField, benjamini_hochberg, changes, correlate, p_as89};
 
@@ -101,7 +101,7 @@ fn fig_12(inputs: &Inputs) -> Result<Plan<'_>> {
             };
             let panel = |y_label, log, curves| Panel {
                 y_label,
-                log,
+                log: bool::then_some(log, power as Numbers),
                 legend: SeriesLabelPosition::UpperLeft,
                 curves,
             };
