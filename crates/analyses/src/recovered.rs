@@ -26,6 +26,9 @@ use joints::structure::Structure;
 /// Damping ratio from which on loops are chosen for the error of damping: below it no mesh resolves where slip begins.
 const RESOLVED_DAMPING: f64 = 5e-3;
 
+/// Damping ratio below which a loop has none whose error anyone asks for; those of joints that open far are the longest to compute.
+const NEGLIGIBLE_DAMPING: f64 = 1e-6;
+
 /// Motions that differ from the others by less than this share of their energy are none of their own.
 const SAME_MOTION: f64 = 1e-8;
 
@@ -150,7 +153,7 @@ impl Prepared {
     }
 }
 
-/// Two amplitudes of a mode: the smallest and the largest whose damping a mesh resolves, or the last ones that have any.
+/// Two amplitudes of a mode: the smallest and the largest whose damping a mesh resolves, or the last ones that have any to speak of.
 fn chosen(mode: &ModeAnalysis) -> Vec<usize> {
     let resolved = |least: f64| -> Vec<usize> {
         let is_resolved = |number: &usize| {
@@ -162,7 +165,7 @@ fn chosen(mode: &ModeAnalysis) -> Vec<usize> {
     let mut numbers = resolved(RESOLVED_DAMPING);
     match numbers.len() {
         0 | 1 => {
-            numbers = resolved(0.0);
+            numbers = resolved(NEGLIGIBLE_DAMPING);
             numbers.drain(..numbers.len().saturating_sub(2));
         }
         many => drop(numbers.drain(1..many - 1)),
