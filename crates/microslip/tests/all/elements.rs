@@ -246,8 +246,7 @@ fn a_connection_without_slip_has_the_stiffness_of_the_law_times_its_area() {
         assert!(close(
             vector(stuck, "direction").map(|x| sign.signum() * x),
             along,
-            // A loop is closed to 1e-8 of its amplitude, and of this a joint that sticks moves a small part.
-            1e-4
+            1e-6
         ));
         let stiffness = number(stuck, "/force") / number(stuck, "/displacement");
         assert!((stiffness / (8e11 * 1.2e-3) - 1.0).abs() < 1e-6, "{stiffness:e}");
