@@ -15,9 +15,6 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Damping ratio by which a loop may stay open whatever it dissipates: no structure is damped so little.
-const NEGLIGIBLE: f64 = 1e-8;
-
 /// When the history reached becomes the one that later solves start from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -45,7 +42,7 @@ pub enum Cycles {
     /// Closed is a loop of modal force and amplitude, not the motion of every point: points under low pressure may creep on
     /// from cycle to cycle for ever, without a change of frequency or damping.
     UntilClosed {
-        /// Part of the damping ratio that the gap between the ends of the loop may make up; after the first cycle a gap of 1e-8 counts for nothing.
+        /// Part of the damping ratio that the gap between the ends of the loop may make up.
         tolerance: f64,
         /// Most cycles, the measured one included.
         most: usize,
@@ -506,7 +503,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         } else {
             (self.branch(self.peak, edges, &mut record)?, self.distance(&start))
         };
-        let closed = self.is_closed(&hysteresis, cycles);
+        let closed = self.is_closed(&hysteresis);
         let follower = self.follower.as_ref();
         let rates = follower.and_then(|follower| follower.rates(&hysteresis, &numbers, &self.path));
         Ok(LoopResult::new(
@@ -561,14 +558,13 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         2.0 * self.path.residual / PI
     }
 
-    /// Whether the ends of a loop are close enough together. The first cycle still carries what the static load left.
-    fn is_closed(&self, hysteresis: &Loop, cycles: usize) -> bool {
+    /// Whether the ends of a loop are close enough together.
+    fn is_closed(&self, hysteresis: &Loop) -> bool {
         let open = open_ends(hysteresis);
         match self.settings.cycles {
             Cycles::Fixed(_) => false,
             Cycles::UntilClosed { tolerance, .. } => {
-                let negligible = if cycles > 1 { NEGLIGIBLE } else { 0.0 };
-                open <= self.noise().max(negligible) || open <= tolerance * hysteresis.zeta(self.peak).abs()
+                open <= self.noise() || open <= tolerance * hysteresis.zeta(self.peak).abs()
             }
         }
     }

@@ -168,7 +168,7 @@ pub struct Backbone {
     /// at most 20.
     pub cycles: Option<usize>,
     /// Part of the damping ratio that the gap between the ends of a loop may make up for the loop to count as closed, 1e-12 to 1; 2e-3 by
-    /// default. After the first cycle a gap of a damping ratio of 1e-8 is closed in any case. Not together with `cycles`.
+    /// default. Not together with `cycles`.
     pub until_closed: Option<f64>,
     /// When the friction history is committed.
     pub commit: Commit,
