@@ -1,7 +1,7 @@
 //! The elementary functions of `std`, from `libm` where there is no `std`.
 
 /// Methods of `f64` that `core` lacks, under the names that `std` gives them.
-pub(crate) trait Float {
+pub(crate) trait Float: Sized {
     fn sqrt(self) -> Self;
     fn exp(self) -> Self;
     fn exp_m1(self) -> Self;
