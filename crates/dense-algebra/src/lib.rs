@@ -158,7 +158,7 @@ pub fn symmetric(a: MatRef<'_, f64>) -> Mat<f64> {
     Mat::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]))
 }
 
-/// The sum of the products, eight of which are added up beside one another.
+/// The sum of the products of two lists of one length, eight of which are added up beside one another.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, last_of_a) = a.as_chunks::<8>();
     let (b, last_of_b) = b.as_chunks::<8>();
