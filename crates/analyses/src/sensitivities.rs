@@ -7,7 +7,7 @@ use cqsma_solver::Linearisation;
 use cqsma_solver::cqsma::LoopResult;
 use cqsma_solver::prestress::Prestress;
 use cqsma_solver::sensitivity::{Change, Derivatives, LoopRate, ModeRate, ParameterRate, StaticRate, static_rates};
-use dense_algebra::SystemMatrix;
+use dense_algebra::{SystemMatrix, dot};
 use faer::Mat;
 use harmonic_balance::backbone::{self, Motion, MotionRate, Point};
 use joints::interface::{InterfaceForce, SceneInterface};
@@ -311,7 +311,6 @@ impl Ingredients<'_> {
         response: &[f64],
         rate: &ModeRate,
     ) -> Sensitivity {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let of_shape = dot(&rate.shape, response) + dot(shape, &self.response);
         Sensitivity {
             mode: mode + 1,

@@ -183,9 +183,6 @@ struct Curve {
     noise: f64,
 }
 
-/// Round-off of the ratio of two inner products.
-const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
-
 #[derive(Clone, Copy, Default)]
 struct Vertex {
     q: f64,
@@ -197,7 +194,7 @@ impl Vertex {
     /// Change of the dissipation with an error of `lambda` of the size of the residual, if the neighbours of this
     /// vertex are `distance` apart.
     fn noise(&self, distance: f64) -> f64 {
-        4.0 * self.residual.max(ROUND_OFF) * self.lambda * self.q * distance.abs()
+        4.0 * self.residual.max(f64::EPSILON) * self.lambda * self.q * distance.abs()
     }
 }
 

@@ -158,16 +158,9 @@ pub fn symmetric(a: MatRef<'_, f64>) -> Mat<f64> {
     Mat::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]))
 }
 
-/// The sum of the products of two lists of one length, eight of which are added up beside one another.
+/// The sum of the products of two lists, added up in their order.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (a, last_of_a) = a.as_chunks::<8>();
-    let (b, last_of_b) = b.as_chunks::<8>();
-    let mut sums = [0.0; 8];
-    for (a, b) in a.iter().zip(b) {
-        (0..8).for_each(|i| sums[i] += a[i] * b[i]);
-    }
-    let rest: f64 = last_of_a.iter().zip(last_of_b).map(|(a, b)| a * b).sum();
-    sums.iter().sum::<f64>() + rest
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// `a b`.

@@ -19,6 +19,7 @@ use crate::solve::{
 use crate::system::{Parameter, System, Unknown};
 use cqsma_solver::Linearisation;
 use cqsma_solver::sensitivity::Derivatives;
+use dense_algebra::dot;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
@@ -249,7 +250,6 @@ pub fn rates<F: DifferentiablePointwiseForce>(
     };
     let unknown = follower.unknown_of(motion);
     let amplitude = motion.modal_amplitude;
-    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     let changes = || {
         let system = &follower.system;
         let changes = derivatives.parameters().iter().map(|rate| {
@@ -469,7 +469,6 @@ impl<'a, F: PointwiseForce> Follower<'a, '_, F> {
     fn conditions(&self, amplitude: f64, unknown: &Unknown, inertia: &Harmonics) -> Vec<Condition> {
         let (size, count) = (unknown.v.size(), unknown.v.count());
         let square = amplitude * amplitude;
-        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         let [c, s] = unknown.v.pair(1);
         let [mc, ms] = inertia.pair(1);
         let mut gradient = Harmonics::zeros(size, count);

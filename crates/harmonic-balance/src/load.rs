@@ -1,6 +1,7 @@
 //! Harmonic loads.
 
 use crate::harmonics::Harmonics;
+use dense_algebra::dot;
 
 /// A harmonic load per unit of its amplitude, `cosine cos(omega t) + sine sin(omega t)`.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +42,6 @@ impl Load {
     /// What of the first harmonic of a motion is in phase with it, and a quarter period behind it, per unit of its amplitude: the work of that part over a
     /// period is `pi` times it.
     pub fn along(&self, motion: &Harmonics) -> [f64; 2] {
-        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         let [c, s] = motion.pair(1);
         [
             dot(&self.cosine, c) + dot(&self.sine, s),

@@ -66,9 +66,9 @@ fn where_pressure_stays_qsma_is_cqsma() {
     assert!(slipping[0] < slipping[1] && slipping[1] < slipping[3], "{slipping:?}");
     assert!(coupled[3].zeta > 1e-2, "{}", coupled[3].zeta);
     for (a, b) in coupled.iter().zip(&decoupled) {
-        // Shakedown leaves two of the points exactly at their limit, where round-off decides.
+        // Shakedown leaves points exactly at their limit, where round-off decides.
         assert!(
-            a.counts.slip.abs_diff(b.counts.slip) <= 2,
+            a.counts.slip.abs_diff(b.counts.slip) <= 1,
             "{:?} {:?}",
             a.counts,
             b.counts
