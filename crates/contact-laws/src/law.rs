@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use core::ops::{AddAssign, Range};
 
 use crate::choice::choices;
-use crate::transposed::{self, Adjoint, Input, Part, WHOLE};
+use crate::transposed::{self, Adjoint, Input, N_JUMP, Part, WHOLE, WayBack};
 pub(crate) use crate::views::Along;
 pub use crate::views::{Components, ComponentsMut, StateView, StateViewMut};
 
@@ -309,24 +309,32 @@ pub trait TractionLaw: Send + Sync {
         d_traction: ComponentsMut<'_>,
     ) -> RegimeCounts;
 
-    /// Transposed derivatives under friction: for adjoints `l` of the end state and `m` of the tractions, `(d end/d begin)^T l + (d traction/d begin)^T m`.
+    /// The way back through a step under friction: what the product of adjoints `l` of the end state and `m` of the tractions with these grows by,
+    /// per unit of the jump, `(d end/d jump)^T l + (d traction/d jump)^T m`, and likewise of the begin state.
     ///
     /// - Of the branch taken, as [`Self::derivative`].
     /// - All slices, and the parts of the states in view, have the length of `points`.
     ///
-    /// By default one derivative for each number of the state.
+    /// By default one derivative for each number of jump and state.
     ///
     /// # Panics
     /// As [`Self::derivative`].
-    fn to_begin(&self, points: Range<usize>, jump: Components<'_>, begin: StateView<'_>, adjoints: &mut [Adjoint<'_>]) {
-        let all = 0..self.info().n_state();
+    fn transposed(
+        &self,
+        points: Range<usize>,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        way: WayBack,
+        adjoints: &mut [Adjoint<'_>],
+    ) {
+        let n_state = self.info().n_state();
         let all = [Part {
-            begin: all.clone(),
-            end: all,
+            input: 0..N_JUMP + n_state,
+            end: 0..n_state,
             tractions: WHOLE,
         }];
         let input = Input { points, jump, begin };
-        transposed::to_begin(&input, 0, &[&all], adjoints, |of, end, traction, along| {
+        transposed::transposed(&input, 0, &[&all], way, adjoints, |of, end, traction, along| {
             let Along {
                 d_jump,
                 d_begin,

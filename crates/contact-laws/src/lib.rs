@@ -113,4 +113,4 @@ pub use physics::slip_limit::AsperityLimit;
 pub use physics::{adhesion, elastic_plastic, hertz, mindlin, slip_limit};
 pub use simd::elementary::Real;
 pub use simd::instruction_set;
-pub use transposed::Adjoint;
+pub use transposed::{Adjoint, WayBack};

@@ -95,6 +95,11 @@ impl<'a> StateViewMut<'a> {
         Self { data, stride, offset }
     }
 
+    /// The same, to be read.
+    pub fn as_view(&self) -> StateView<'_> {
+        StateView::new(self.data, self.stride, self.offset)
+    }
+
     /// The first `n` points' values of the first `N` components.
     ///
     /// # Panics

@@ -165,7 +165,6 @@ struct Circumstances {
     residual: f64,
     shape_deviation: f64,
     counts: RegimeCounts,
-    rates: Option<Vec<LoopRate>>,
 }
 
 impl LoopResult {
@@ -194,7 +193,7 @@ impl LoopResult {
             closure: found.closure,
             residual: found.residual,
             counts: found.counts,
-            rates: found.rates,
+            rates: None,
             hysteresis,
         }
     }
@@ -430,22 +429,20 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         loop {
             cycles += 1;
             observer.begin();
-            let found = self.loop_from_peak(structure, cycles, quiet, counts, observer)?;
-            if quiet || cycles >= most {
+            let (mut found, numbers) = self.loop_from_peak(structure, cycles, quiet, counts, observer)?;
+            let is_quiet = found.closed && self.is_quiet(&found.hysteresis);
+            if quiet || cycles >= most || (found.closed && !is_quiet) {
+                let follower = self.follower.as_ref();
+                found.rates = follower.and_then(|follower| follower.rates(&found.hysteresis, &numbers, &self.path));
                 return Ok(found);
             }
-            if found.closed {
-                if !self.is_quiet(&found.hysteresis) {
-                    return Ok(found);
-                }
-                quiet = true;
-            }
+            quiet = is_quiet;
             counts = found.counts;
         }
     }
 
     /// The loop from where the path is, at its positive peak, with the number of the cycle, whether those before dissipate nothing, and the regimes at the
-    /// peak.
+    /// peak; and the numbers of its vertices by which a follower knows them.
     fn loop_from_peak<O: LoopObserver<F::Workspace>>(
         &mut self,
         structure: &Linearisation<'_, F::State>,
@@ -453,9 +450,8 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         quiet: bool,
         counts_before: RegimeCounts,
         observer: &mut O,
-    ) -> Result<LoopResult, Failure> {
+    ) -> Result<(LoopResult, Vec<usize>), Failure> {
         let mut hysteresis = Loop::default();
-        // Numbers of the vertices by which a follower knows them.
         let mut numbers = Vec::new();
         let mut deviation = 0.0_f64;
         // Without dissipation the way back passes the same vertices, which are kept for it.
@@ -504,9 +500,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
             (self.branch(self.peak, edges, &mut record)?, self.distance(&start))
         };
         let closed = self.is_closed(&hysteresis);
-        let follower = self.follower.as_ref();
-        let rates = follower.and_then(|follower| follower.rates(&hysteresis, &numbers, &self.path));
-        Ok(LoopResult::new(
+        let found = LoopResult::new(
             self.peak,
             hysteresis,
             Circumstances {
@@ -517,9 +511,9 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
                 residual: self.path.residual,
                 shape_deviation: deviation,
                 counts,
-                rates,
             },
-        ))
+        );
+        Ok((found, numbers))
     }
 
     /// Damping ratio that a loop with everything stuck has under this rule of history.

@@ -29,7 +29,7 @@ use crate::linear::TransposedSolves;
 use crate::modes::{Linearisation, Mode};
 use crate::path::Path;
 use crate::prestress::Prestress;
-use contact_laws::Sticking;
+use contact_laws::{Sticking, WayBack};
 use dense_algebra::{SystemMatrixRef, dot};
 use faer::{Mat, MatRef};
 
@@ -68,25 +68,25 @@ pub trait DifferentiableForce: HystereticForce {
         workspace: &mut Self::Workspace,
         tangent: &mut [f64],
     );
-    /// `(dS/du)^T l` for adjoints `l` of the end state, each into a list over the leading coordinates.
-    fn to_displacements(
+    /// The way back through a step: with adjoints `l` of the end state and `m` of the force, none if `forces` is empty, it gives
+    /// `(dS/du)^T l - (dF/du)^T m` over the leading coordinates and `l^T dS/dp - m^T dF/dp` of each parameter, and changes `l` as `way` has it. What of the
+    /// parameters' terms adds up to nothing but a term of the begin of a whole path may be left out ([`Self::at_start`]). `workspace` is that of
+    /// [`HystereticForce::evaluate`] at `u` from `begin` under friction.
+    fn transposed(
         &self,
         u: &[f64],
         begin: &Self::State,
-        adjoints: &[Self::State],
-        workspace: &mut Self::Workspace,
-        into: &mut [Vec<f64>],
-    );
-    /// `(dS/ds)^T l - (dF/ds)^T m` for adjoints `l` of the end state and `m` of the force.
-    fn to_begin(
-        &self,
-        u: &[f64],
-        begin: &Self::State,
-        adjoints: &[Self::State],
+        way: WayBack,
+        adjoints: &mut [Self::State],
         forces: &[Vec<f64>],
+        parameters: &[Option<&Self::Parameter>],
         workspace: &mut Self::Workspace,
-        into: &mut [Self::State],
+        to_displacements: &mut [Vec<f64>],
+        to_parameters: &mut [Vec<f64>],
     );
+    /// What a parameter adds to the sum of [`Self::transposed`] over all steps of a path, by the history that the path begins with and the adjoint
+    /// of that.
+    fn at_start(&self, begin: &Self::State, adjoint: &Self::State, parameter: &Self::Parameter) -> f64;
     /// Product of an adjoint of a history with a change of one.
     fn product(&self, adjoint: &Self::State, change: &Self::State) -> f64;
     /// No change of the history.
@@ -433,18 +433,14 @@ impl<F: DifferentiableForce> Companion<'_, F> {
         let (nc, pattern) = (force.n_dofs(), force.pattern());
         let mut local = Local::new(*force);
         let mut tangent = vec![0.0; pattern.indices.len()];
-        let (still, mut d_end) = (force.no_change(), force.no_change());
+        let of_force: Vec<Option<&F::Parameter>> = parameters.iter().map(|parameter| parameter.change.force).collect();
         let mut sums = vec![[0.0; GOALS]; parameters.len() + 1];
-        let mut adjoints: Vec<F::State> = (0..GOALS).map(|_| force.no_change()).collect();
-        let mut earlier = adjoints.clone();
-        let mut through_history = vec![vec![0.0; nc]; GOALS];
+        let mut adjoints: [F::State; GOALS] = std::array::from_fn(|_| force.no_change());
+        let mut by_displacement = vec![vec![0.0; nc]; GOALS];
+        let mut by_parameter = vec![vec![0.0; parameters.len()]; GOALS];
         for (vertex, weight) in self.vertices.iter().zip(weights).rev() {
-            let u: Vec<f64> = equilibrium
-                .reference
-                .iter()
-                .zip(&vertex.v)
-                .map(|(u, v)| u + v)
-                .collect();
+            let u = equilibrium.reference.iter().zip(&vertex.v);
+            let u: Vec<f64> = u.map(|(u, v)| u + v).collect();
             force.evaluate(
                 &u,
                 Sticking::Coulomb,
@@ -454,16 +450,21 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 &mut local.contact,
                 Some(&mut tangent),
             );
-            through_history.iter_mut().for_each(|values| values.fill(0.0));
+            let mut back = |way, forces: &[Vec<f64>], parameters: &[Option<&F::Parameter>], to_u: &mut [Vec<f64>]| {
+                let (begin, workspace) = (&vertex.begin, &mut local.workspace);
+                let (adjoints, into) = (&mut adjoints, &mut by_parameter);
+                force.transposed(&u, begin, way, adjoints, forces, parameters, workspace, to_u, into);
+            };
             if vertex.is_committed {
-                let (workspace, into) = (&mut local.workspace, &mut through_history);
-                force.to_displacements(&u, &vertex.begin, &adjoints, workspace, into);
+                back(WayBack::JumpAlone, &[], &[], &mut by_displacement);
             }
             let mut solves = TransposedSolves::new(equilibrium.stuck, pattern, &tangent);
             let mut forces = Vec::with_capacity(GOALS);
-            for (goal, history) in through_history.iter().enumerate() {
+            for (goal, history) in by_displacement.iter().enumerate() {
                 let mut right: Vec<f64> = path.unit.force.iter().map(|unit| weight[goal] * unit).collect();
-                right.iter_mut().zip(history).for_each(|(r, own)| *r += own);
+                if vertex.is_committed {
+                    right.iter_mut().zip(history).for_each(|(r, own)| *r += own);
+                }
                 let found = match solves.solve(&right, TOLERANCE) {
                     Some(found) => found.v,
                     None => {
@@ -473,26 +474,20 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 };
                 forces.push(found);
             }
-            for (sum, parameter) in sums.iter_mut().zip(parameters) {
-                let own = parameter.change.force;
-                let along = local.along(
-                    &u,
-                    &vertex.begin,
-                    &parameter.state.displacement,
-                    &still,
-                    own,
-                    &mut d_end,
-                );
+            let way = match vertex.is_committed {
+                true => WayBack::Committed,
+                false => WayBack::Passed,
+            };
+            back(way, &forces, &of_force, &mut by_displacement);
+            for (at, (sum, parameter)) in sums.iter_mut().zip(parameters).enumerate() {
                 let mut right: Vec<f64> = parameter.unit.iter().map(|unit| vertex.at * unit).collect();
-                let terms = right.iter_mut().zip(along).zip(&parameter.reference);
-                terms.for_each(|((r, f), reference)| *r += reference - f);
+                let terms = right.iter_mut().zip(&parameter.reference);
+                terms.for_each(|(r, reference)| *r += reference);
                 subtract_product(parameter.change.stiffness, &vertex.v, &mut right);
                 let amplitude = dot(&parameter.unit, &vertex.v);
                 for (goal, sum) in sum.iter_mut().enumerate() {
-                    *sum += weight[goal] * amplitude + dot(&forces[goal], &right);
-                    if vertex.is_committed {
-                        *sum += force.product(&adjoints[goal], &d_end);
-                    }
+                    *sum += weight[goal] * amplitude + dot(&forces[goal], &right) + by_parameter[goal][at];
+                    *sum += dot(&by_displacement[goal], &parameter.state.displacement);
                 }
             }
             if let Some(by_force) = sums.last_mut() {
@@ -501,26 +496,14 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                     *sum += vertex.at * dot(m, &path.unit.force);
                 }
             }
-            let unmoved;
-            let ends = match vertex.is_committed {
-                true => &adjoints,
-                false => {
-                    unmoved = vec![force.no_change(); GOALS];
-                    &unmoved
-                }
-            };
-            let (workspace, into) = (&mut local.workspace, &mut earlier);
-            force.to_begin(&u, &vertex.begin, ends, &forces, workspace, into);
-            if !vertex.is_committed {
-                for (earlier, kept) in earlier.iter_mut().zip(&adjoints) {
-                    force.add_change(earlier, 1.0, kept);
-                }
-            }
-            std::mem::swap(&mut adjoints, &mut earlier);
         }
+        let start = self.vertices.first().map(|vertex| &vertex.begin);
         for (sum, parameter) in sums.iter_mut().zip(parameters) {
             for (sum, adjoint) in sum.iter_mut().zip(&adjoints) {
                 *sum += force.product(adjoint, &parameter.state.state);
+                if let (Some(start), Some(own)) = (start, parameter.change.force) {
+                    *sum += force.at_start(start, adjoint, own);
+                }
             }
         }
         Some(sums)

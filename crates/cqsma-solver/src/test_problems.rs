@@ -2,7 +2,7 @@
 
 use crate::force::{HystereticForce, PatternView};
 use crate::sensitivity::DifferentiableForce;
-use contact_laws::{RegimeCounts, Sticking};
+use contact_laws::{RegimeCounts, Sticking, WayBack};
 use faer::Mat;
 
 /// Independent Jenkins elements: a spring of stiffness `k` in series with a slider of limit `f`, one per coordinate.
@@ -120,38 +120,45 @@ impl DifferentiableForce for Jenkins {
         }
     }
 
-    fn to_displacements(
+    fn transposed(
         &self,
         u: &[f64],
         begin: &Self::State,
-        adjoints: &[Self::State],
+        way: WayBack,
+        adjoints: &mut [Self::State],
+        forces: &[Vec<f64>],
+        parameters: &[Option<&Self::Parameter>],
         (): &mut (),
-        into: &mut [Vec<f64>],
+        to_displacements: &mut [Vec<f64>],
+        to_parameters: &mut [Vec<f64>],
     ) {
-        for (adjoint, into) in adjoints.iter().zip(into) {
+        to_parameters.iter_mut().for_each(|sums| sums.fill(0.0));
+        for (goal, adjoint) in adjoints.iter_mut().enumerate() {
             for (i, &(k, limit)) in self.elements.iter().enumerate() {
-                let sticks = (begin[i].1 + k * (u[i] - begin[i].0)).abs() <= limit;
-                into[i] = adjoint[i].0 + if sticks { k * adjoint[i].1 } else { 0.0 };
+                let step = u[i] - begin[i].0;
+                let trial = begin[i].1 + k * step;
+                let sticks = trial.abs() <= limit;
+                let after = adjoint[i];
+                let end = if way == WayBack::Passed { (0.0, 0.0) } else { after };
+                let own = end.1 - forces.get(goal).map_or(0.0, |force| force[i]);
+                let of_force = if sticks { own } else { 0.0 };
+                to_displacements[goal][i] = end.0 + k * of_force;
+                adjoint[i] = match way {
+                    WayBack::Committed => (-k * of_force, of_force),
+                    WayBack::Passed => (after.0 - k * of_force, after.1 + of_force),
+                    WayBack::JumpAlone => after,
+                };
+                let sums = to_parameters.get_mut(goal).into_iter().flatten();
+                for (sum, parameter) in sums.zip(parameters) {
+                    let (d_k, d_limit) = parameter.map_or((0.0, 0.0), |parameter| parameter[i]);
+                    *sum += own * if sticks { d_k * step } else { d_limit * trial.signum() };
+                }
             }
         }
     }
 
-    fn to_begin(
-        &self,
-        u: &[f64],
-        begin: &Self::State,
-        adjoints: &[Self::State],
-        forces: &[Vec<f64>],
-        (): &mut (),
-        into: &mut [Self::State],
-    ) {
-        for ((adjoint, force), into) in adjoints.iter().zip(forces).zip(into) {
-            for (i, &(k, limit)) in self.elements.iter().enumerate() {
-                let sticks = (begin[i].1 + k * (u[i] - begin[i].0)).abs() <= limit;
-                let of_force = if sticks { adjoint[i].1 - force[i] } else { 0.0 };
-                into[i] = (-k * of_force, of_force);
-            }
-        }
+    fn at_start(&self, _: &Self::State, _: &Self::State, _: &Self::Parameter) -> f64 {
+        0.0
     }
 
     fn product(&self, adjoint: &Self::State, change: &Self::State) -> f64 {

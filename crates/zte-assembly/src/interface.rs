@@ -5,7 +5,7 @@ use crate::kernels::Blocks;
 use crate::operators::Operators;
 use contact_laws::{
     Adjoint, Components, ComponentsMut, LinearisedContact, Regime, RegimeCounts, Scaling, Similarity, StateView,
-    StateViewMut, Sticking, TangentMut, TractionLaw,
+    StateViewMut, Sticking, TangentMut, TractionLaw, WayBack,
 };
 use std::ops::Range;
 use std::sync::Arc;
@@ -378,26 +378,6 @@ impl Interface {
         assert_eq!(jump.len(), self.n_dofs());
         assert_eq!(d_jump.len(), self.n_dofs());
         self.interpolate_jump(jump, workspace);
-        let [d_x, d_y, d_n, ..] = &mut workspace.tangent;
-        self.interpolate(d_jump, [d_x, d_y, d_n]);
-        self.change_points(sticking, begin, d_begin, variation, end, d_end, workspace);
-        let [_, _, _, d_tx, d_ty, d_tn, ..] = &workspace.tangent;
-        self.integrate(workspace.traction.each_ref().map(Vec::as_slice), force);
-        self.integrate([d_tx, d_ty, d_tn], d_force);
-    }
-
-    /// Changes of tractions and end state of all points, from the jumps and their changes, the first three tangent fields, in the workspace; the
-    /// changes of the tractions are left in the next three.
-    fn change_points(
-        &self,
-        sticking: Sticking,
-        begin: &State,
-        d_begin: &State,
-        variation: Option<&Variation>,
-        end: &mut State,
-        d_end: &mut State,
-        workspace: &mut Workspace,
-    ) {
         let Workspace {
             jump: at_points,
             traction,
@@ -405,6 +385,7 @@ impl Interface {
             history,
             ..
         } = workspace;
+        self.interpolate(d_jump, [&mut *d_x, &mut *d_y, &mut *d_n]);
         if let Some(variation) = variation {
             d_n.iter_mut().zip(&variation.gap).for_each(|(n, gap)| *n -= gap);
             history.clear();
@@ -452,107 +433,98 @@ impl Interface {
                 }
             }
         }
+        self.integrate(traction.each_ref().map(Vec::as_slice), force);
+        self.integrate([d_tx, d_ty, d_tn], d_force);
     }
 
-    /// For each adjoint of the end state, what it is multiplied with a change of the nodal jumps: the transposed derivative of the end state
-    /// under friction, applied to it.
+    /// The way back through a step under friction: what the product of adjoints of the end state with the end state, less that of adjoints of the
+    /// nodal forces with these, grows by. It is given per unit of the nodal jumps, `to_jumps`, of the begin state, for which `adjoints` are
+    /// overwritten as `way` has it, and of each parameter, `to_parameters`, but for [`Interface::at_start`]. Without adjoints of forces, `forces` is
+    /// empty. `workspace` is that of [`Interface::evaluate`] of the step.
     ///
     /// # Panics
     /// As [`Interface::evaluate`].
-    pub fn end_to_jumps(
+    pub fn transposed(
         &self,
-        jump: &[f64],
         begin: &State,
-        adjoints: &[State],
-        workspace: &mut Workspace,
-        into: &mut [Vec<f64>],
+        way: WayBack,
+        adjoints: &mut [State],
+        forces: &[Vec<f64>],
+        parameters: &[Option<&Variation>],
+        workspace: &Workspace,
+        to_jumps: &mut [Vec<f64>],
+        to_parameters: &mut [Vec<f64>],
     ) {
         let n = self.operators.n_points();
-        let mut fields: Vec<[Vec<f64>; 3]> = adjoints.iter().map(|_| std::array::from_fn(|_| vec![0.0; n])).collect();
-        let [still, mut end, mut d_end] = [0; 3].map(|_| self.no_change());
-        let components = self.laws.iter().map(|(_, law)| law.info().n_state()).max().unwrap_or(0);
-        self.interpolate_jump(jump, workspace);
-        for axis in 0..3 {
-            for (c, field) in workspace.tangent.iter_mut().take(3).enumerate() {
-                field.fill(if axis == c { 1.0 } else { 0.0 });
+        let weights = &self.operators.weights;
+        let zeros = || -> [Vec<f64>; 3] { std::array::from_fn(|_| vec![0.0; n]) };
+        let mut fields: Vec<[Vec<f64>; 3]> = adjoints.iter().map(|_| zeros()).collect();
+        let mut tractions = fields.clone();
+        for (force, fields) in forces.iter().zip(&mut tractions) {
+            self.interpolate(&force[..self.n_dofs()], fields.each_mut().map(Vec::as_mut_slice));
+            for values in fields {
+                values.iter_mut().zip(weights).for_each(|(v, w)| *v *= -w);
             }
-            let coulomb = Sticking::Coulomb;
-            self.change_points(coulomb, begin, &still, None, &mut end, &mut d_end, workspace);
-            for (adjoint, field) in adjoints.iter().zip(&mut fields) {
-                for (range, at) in (0..components).flat_map(|component| self.places(component)) {
-                    let pairs = adjoint.values[at.clone()].iter().zip(&d_end.values[at]);
-                    let sums = field[axis][range].iter_mut();
-                    sums.zip(pairs).for_each(|(sum, (a, b))| *sum += a * b);
+        }
+        to_parameters.iter_mut().for_each(|sums| sums.fill(0.0));
+        let mut block = 0;
+        for (index, (range, law)) in self.laws.iter().enumerate() {
+            let stride = range.len();
+            let states = block..block + stride * law.info().n_state();
+            block = states.end;
+            let adjoints = adjoints.iter_mut().zip(&tractions).zip(&mut fields);
+            let adjoints = adjoints.map(|((history, traction), jump)| {
+                let [x, y, normal] = jump.each_mut().map(|values| &mut values[range.clone()]);
+                Adjoint {
+                    history: StateViewMut::new(&mut history.values[states.clone()], stride, 0),
+                    traction: components(traction, range),
+                    jump: ComponentsMut { x, y, n: normal },
+                }
+            });
+            let mut adjoints: Vec<Adjoint<'_>> = adjoints.collect();
+            let [jump, traction] = [&workspace.jump, &workspace.traction].map(|fields| components(fields, range));
+            let begin = StateView::new(&begin.values[states], stride, 0);
+            law.transposed(0..stride, jump, begin, way, &mut adjoints);
+            for (adjoint, sums) in adjoints.iter().zip(&mut *to_parameters) {
+                for (sum, variation) in sums.iter_mut().zip(parameters) {
+                    let part = variation.map(|variation| variation.scalings[index].on_the_way(jump, traction, adjoint));
+                    *sum += part.unwrap_or_default();
                 }
             }
         }
-        for (field, into) in fields.iter_mut().zip(into) {
+        for (field, sums) in fields.iter().zip(to_parameters) {
+            for (sum, variation) in sums.iter_mut().zip(parameters) {
+                let gap = variation.map_or(&[][..], |variation| &variation.gap);
+                *sum -= field[2]
+                    .iter()
+                    .zip(gap)
+                    .map(|(adjoint, gap)| adjoint * gap)
+                    .sum::<f64>();
+            }
+        }
+        for (field, into) in fields.iter_mut().zip(to_jumps) {
             // The forces of tractions are weighted sums.
             for values in field.iter_mut() {
-                values
-                    .iter_mut()
-                    .zip(&self.operators.weights)
-                    .for_each(|(v, w)| *v /= w);
+                values.iter_mut().zip(weights).for_each(|(v, w)| *v /= w);
             }
             self.integrate(field.each_ref().map(Vec::as_slice), into);
         }
     }
 
-    /// For each pair of adjoints of the end state and of the nodal forces, the adjoint of the begin state: the transposed derivatives
-    /// of the end state and, with the opposite sign, of the forces.
-    ///
-    /// # Panics
-    /// As [`Interface::evaluate`].
-    pub fn to_begin(
-        &self,
-        jump: &[f64],
-        begin: &State,
-        adjoints: &[State],
-        forces: &[Vec<f64>],
-        workspace: &mut Workspace,
-        into: &mut [State],
-    ) {
-        let n = self.operators.n_points();
-        let tractions: Vec<[Vec<f64>; 3]> = forces
+    /// What a parameter adds to the sum of [`Interface::transposed`] over all steps of a path, by the history that the path begins with and the adjoint
+    /// of that.
+    pub fn at_start(&self, begin: &State, adjoint: &State, variation: &Variation) -> f64 {
+        let mut block = 0;
+        let laws = self
+            .laws
             .iter()
-            .map(|force| {
-                let mut fields: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; n]);
-                self.interpolate(&force[..self.n_dofs()], fields.each_mut().map(Vec::as_mut_slice));
-                for values in &mut fields {
-                    values
-                        .iter_mut()
-                        .zip(&self.operators.weights)
-                        .for_each(|(v, w)| *v *= -w);
-                }
-                fields
-            })
-            .collect();
-        self.interpolate_jump(jump, workspace);
-        let mut block = 0;
-        for (range, law) in &self.laws {
-            let stride = range.len();
-            let states = block..block + stride * law.info().n_state();
-            block = states.end;
-            let adjoints = adjoints.iter().zip(&tractions).zip(&mut *into);
-            let adjoints = adjoints.map(|((end, traction), begin)| Adjoint {
-                end: StateView::new(&end.values[states.clone()], stride, 0),
-                traction: components(traction, range),
-                begin: StateViewMut::new(&mut begin.values[states.clone()], stride, 0),
+            .zip(&variation.scalings)
+            .map(|((range, law), scaling)| {
+                let states = block..block + range.len() * law.info().n_state();
+                block = states.end;
+                scaling.at_start(&begin.values[states.clone()], &adjoint.values[states])
             });
-            let jump = components(&workspace.jump, range);
-            let begin = StateView::new(&begin.values[states.clone()], stride, 0);
-            law.to_begin(0..stride, jump, begin, &mut adjoints.collect::<Vec<_>>());
-        }
-    }
-
-    /// Points of each law that has the component of the history, and where that is in a [`State`].
-    fn places(&self, component: usize) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
-        let mut block = 0;
-        self.laws.iter().filter_map(move |(range, law)| {
-            let (first, count) = (block + component * range.len(), law.info().n_state());
-            block += range.len() * count;
-            (component < count).then(|| (range.clone(), first..first + range.len()))
-        })
+        laws.sum()
     }
 
     /// The tangent (N/m) with everything stuck at nodal jumps (m), a history, and the value of a parameter plus `step`.

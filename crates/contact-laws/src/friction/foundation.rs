@@ -110,10 +110,11 @@ use crate::physics::bins::{GaussSet, MAX_BINS, between_third_and_whole, gauss_be
 use crate::physics::population::GapDistribution;
 use crate::simd::bounds::bounded;
 use crate::simd::elementary::max;
-use crate::simd::{Lanes, Pass, part, part_mut, run};
-use crate::transposed::Adjoint;
+use crate::simd::{BLOCK, Lanes, Pass, part, part_mut, run};
+use crate::transposed::{Adjoint, WayBack};
 use alloc::borrow::Cow;
 use alloc::format;
+use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -608,38 +609,79 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
     evaluates_by!(evaluate_blocks in blocks);
 
     /// Spring by spring, without a derivative along any direction.
-    fn to_begin(&self, points: Range<usize>, jump: Components<'_>, begin: StateView<'_>, adjoints: &mut [Adjoint<'_>]) {
+    fn transposed(
+        &self,
+        points: Range<usize>,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        way: WayBack,
+        adjoints: &mut [Adjoint<'_>],
+    ) {
         check_points(&points, self);
-        for (i, point) in points.enumerate() {
-            let begin_at = |c: usize| begin.data[c * begin.stride + begin.offset + i];
-            let ratio = self.ratios[point];
-            let reach = bounded(*self.mu.at(point) / ratio);
-            let du = [jump.x[i] - begin_at(0), jump.y[i] - begin_at(1)].map(bounded);
-            for Adjoint { begin, .. } in &mut *adjoints {
-                (0..N_JUMP).for_each(|c| begin.data[c * begin.stride + begin.offset + i] = 0.0);
-            }
-            for spring in 0..self.n_springs {
-                let at = spring * self.ratios.len() + point;
-                let (gap, stiffness) = (self.gaps[at], self.stiffnesses[at]);
+        let (n, jump) = (points.len(), [jump.x, jump.y, jump.n]);
+        let mut room = Room::<BLOCK>::new();
+        let mut acts = vec![Acts::default(); self.n_springs];
+        let mut block = 0..0;
+        while block.end < n {
+            block = block.end..n.min(block.end + BLOCK);
+            let (m, first) = (block.len(), points.start + block.start);
+            self.begin_block(first, Sticking::Coulomb, m, &mut room);
+            let u = part(&jump, &block);
+            let begin_at = |c: usize| &begin.component(c, n)[block.clone()];
+            let u_0 = [0, 1, 2].map(begin_at);
+            let of_spring = |spring: usize| {
+                let at = spring * self.ratios.len() + first;
                 let c = N_JUMP + 2 * spring;
-                let [w, w_0] = [jump.n[i] - gap, begin_at(2) - gap];
-                if !(w > 0.0) {
-                    for Adjoint { begin, .. } in &mut *adjoints {
-                        (c..c + 2).for_each(|c| begin.data[c * begin.stride + begin.offset + i] = 0.0);
-                    }
-                    continue;
+                (&self.gaps[at..][..m], &self.stiffnesses[at..][..m], c)
+            };
+            for (spring, acts) in acts.iter_mut().enumerate() {
+                let (gap, _, c) = of_spring(spring);
+                run(Classify {
+                    u,
+                    u_0,
+                    memory: [c, c + 1].map(begin_at),
+                    unlimited: false,
+                    gap,
+                    reach: &room.reach,
+                    acts,
+                });
+            }
+            for Adjoint {
+                history,
+                traction,
+                jump,
+            } in &mut *adjoints
+            {
+                let StateViewMut { data, stride, offset } = history;
+                let at = |c: usize| c * *stride + *offset + block.start;
+                let mut sums = [Lanes([0.0; BLOCK]); 4];
+                for (spring, &acts) in acts.iter().enumerate() {
+                    let (gap, stiffness, c) = of_spring(spring);
+                    let (x, y) = data[at(c)..].split_at_mut(*stride);
+                    run(Transposed {
+                        acts,
+                        way,
+                        u,
+                        u_0,
+                        memory: [c, c + 1].map(begin_at),
+                        gap,
+                        stiffness,
+                        ratio: &self.ratios[first..][..m],
+                        reach: &room.reach,
+                        traction: part(&[traction.x, traction.y, traction.n], &block),
+                        history: [&mut x[..m], &mut y[..m]],
+                        sums: &mut sums,
+                    });
                 }
-                let found = answer([w, w_0], du, [begin_at(c), begin_at(c + 1)], reach, false);
-                let share_change = found.share_change([0.0, 1.0]);
-                for Adjoint { end, traction, begin } in &mut *adjoints {
-                    let into = |c: usize| c * begin.stride + begin.offset + i;
-                    let end_at = |c: usize| end.data[c * end.stride + end.offset + i];
-                    let pull = [traction.x[i], traction.y[i]].map(|of| ratio * stiffness * of);
-                    let [x, y] = found.across([end_at(c) + pull[0], end_at(c + 1) + pull[1]]);
-                    (begin.data[into(c)], begin.data[into(c + 1)]) = (x, y);
-                    begin.data[into(0)] -= found.share * x;
-                    begin.data[into(1)] -= found.share * y;
-                    begin.data[into(2)] += share_change * (du[0] * x + du[1] * y);
+                let ComponentsMut { x, y, n } = jump;
+                let [along_x, along_y, of_n, of_begin_n] = &sums;
+                for (c, (of_jump, into)) in [along_x, along_y, of_n].into_iter().zip([x, y, n]).enumerate() {
+                    let history = data[at(c)..][..m].iter_mut();
+                    for (i, (history, into)) in history.zip(&mut into[block.clone()]).enumerate() {
+                        let of_begin = if c < 2 { -of_jump.0[i] } else { of_begin_n.0[i] };
+                        *into = way.of_end(*history) + of_jump.0[i];
+                        *history = way.before(*history, of_begin);
+                    }
                 }
             }
         }
@@ -1045,6 +1087,81 @@ impl<const B: usize> Change<'_, B> {
             t_x.0[i] += kappa * x;
             t_y.0[i] += kappa * y;
             t_n.0[i] += if found.closed { kappa * bounded(d_u[2][i]) } else { 0.0 };
+        }
+    }
+}
+
+/// One spring on the way back through a step: the transpose of [`Change`].
+struct Transposed<'a, const B: usize> {
+    acts: Acts,
+    way: WayBack,
+    u: [&'a [f64]; 3],
+    u_0: [&'a [f64]; 3],
+    memory: [&'a [f64]; 2],
+    gap: &'a [f64],
+    stiffness: &'a [f64],
+    ratio: &'a [f64],
+    reach: &'a Lanes<f64, B>,
+    /// Adjoints of the tractions and of the stretch.
+    traction: [&'a [f64]; 3],
+    history: [&'a mut [f64]; 2],
+    /// What springs add to those of the jump, which is what they take along the surface from that of the jump of the begin state; and what they add
+    /// to that of its interference.
+    sums: &'a mut [Lanes<f64, B>; 4],
+}
+
+impl<const B: usize> Pass for Transposed<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let keeps = self.way == WayBack::JumpAlone;
+        match (self.acts.closes, self.acts.moves, keeps) {
+            (true, true, true) => self.of::<true, true>(),
+            (true, true, false) => self.of::<true, false>(),
+            (true, false, true) => self.of::<false, true>(),
+            (true, false, false) => self.of::<false, false>(),
+            (false, ..) => {
+                for value in self.history.into_iter().flatten() {
+                    *value = self.way.before(*value, 0.0);
+                }
+            }
+        }
+    }
+}
+
+impl<const B: usize> Transposed<'_, B> {
+    #[inline(always)]
+    fn of<const MOVES: bool, const KEEPS: bool>(self) {
+        let Self { way, u, u_0, .. } = self;
+        let m = self.gap.len().min(B);
+        let [history_x, history_y] = self.history.map(|values| &mut values[..m]);
+        let [along_x, along_y, of_n, of_begin_n] = self.sums;
+        for i in 0..m {
+            let gap = self.gap[i];
+            let du = [0, 1].map(|q| bounded(u[q][i] - u_0[q][i]));
+            let (w, memory) = ([u[2][i] - gap, u_0[2][i] - gap], [0, 1].map(|q| self.memory[q][i]));
+            let reach = self.reach.0[i];
+            let found = match MOVES {
+                true => answer(w, du, memory, reach, false),
+                false => resting(w, du, memory),
+            };
+            let kappa = self.stiffness[i];
+            let pull = self.ratio[i] * kappa;
+            let after = [history_x[i], history_y[i]];
+            let stretch = [0, 1].map(|q| way.of_end(after[q]) + pull * self.traction[q][i]);
+            let [x, y] = found.across(stretch);
+            if !KEEPS {
+                history_x[i] = way.before(after[0], x);
+                history_y[i] = way.before(after[1], y);
+            }
+            along_x.0[i] += found.share * x;
+            along_y.0[i] += found.share * y;
+            of_n.0[i] += if found.closed { kappa * self.traction[2][i] } else { 0.0 };
+            if MOVES {
+                let along = x * du[0] + y * du[1];
+                let slip = stretch[0] * found.direction[0] + stretch[1] * found.direction[1];
+                of_n.0[i] += along * found.share_change([1.0, 0.0]) + reach * slip;
+                of_begin_n.0[i] += along * found.share_change([0.0, 1.0]);
+            }
         }
     }
 }

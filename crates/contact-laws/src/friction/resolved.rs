@@ -127,7 +127,7 @@ use crate::physics::slip_limit::AsperityLimit;
 use crate::simd::bounds::{bounded, within};
 use crate::simd::elementary::{max, min};
 use crate::simd::{BLOCK, Lanes, Pass, part, part_mut, run};
-use crate::transposed::{self, Adjoint, Input, Part, WHOLE};
+use crate::transposed::{self, Adjoint, Input, Part, WHOLE, WayBack};
 use alloc::borrow::Cow;
 use alloc::format;
 use alloc::vec::Vec;
@@ -966,15 +966,23 @@ impl TractionLaw for ResolvedLaw {
     evaluates_by!(evaluate_blocks in blocks);
 
     /// By a derivative for each number of the jump, of what an annulus remembers and of a dent: bins share nothing but the jump, annuli the dent.
-    fn to_begin(&self, points: Range<usize>, jump: Components<'_>, begin: StateView<'_>, adjoints: &mut [Adjoint<'_>]) {
+    fn transposed(
+        &self,
+        points: Range<usize>,
+        jump: Components<'_>,
+        begin: StateView<'_>,
+        way: WayBack,
+        adjoints: &mut [Adjoint<'_>],
+    ) {
         check_points(&points, self);
         let n_bins = self.tables.n_bins;
         let (n_memory, n_dent) = self.memories();
         let per_bin = self.shares.len().max(1);
         let per_part = (n_memory - n_dent) / per_bin;
         let of_bin = |bin: usize| N_JUMP + bin * n_memory..N_JUMP + (bin + 1) * n_memory;
+        let input = |state: Range<usize>| transposed::N_JUMP + state.start..transposed::N_JUMP + state.end;
         let motion = [Part {
-            begin: 0..N_JUMP,
+            input: 0..input(0..N_JUMP).end,
             end: 0..self.info.n_state(),
             tractions: WHOLE,
         }];
@@ -982,23 +990,24 @@ impl TractionLaw for ResolvedLaw {
             let first = of_bin(part / per_bin).start + part % per_bin * per_part;
             let memory = first..first + per_part;
             Part {
-                begin: memory.clone(),
+                input: input(memory.clone()),
                 end: memory,
                 tractions: WHOLE.end + part..WHOLE.end + part + 1,
             }
         });
         let dents = (0..n_bins).map(|bin| Part {
-            begin: of_bin(bin).end - n_dent..of_bin(bin).end,
+            input: input(of_bin(bin).end - n_dent..of_bin(bin).end),
             end: of_bin(bin),
             tractions: WHOLE.end + bin * per_bin..WHOLE.end + (bin + 1) * per_bin,
         });
         let (forces, dents): (Vec<Part>, Vec<Part>) = (forces.collect(), dents.collect());
         let input = Input { points, jump, begin };
         let passes: [&[Part]; 3] = [&motion, &forces, &dents];
-        transposed::to_begin(
+        transposed::transposed(
             &input,
             n_bins * per_bin,
             &passes,
+            way,
             adjoints,
             |of, end, traction, along| {
                 let Input { points, jump, begin } = of;

@@ -20,6 +20,7 @@ use crate::curves::CurveFactors;
 use crate::law::{Components, ComponentsMut, Quantity, StateView, StateViewMut, Sticking, TractionLaw};
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
+use crate::transposed::Adjoint;
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -63,6 +64,7 @@ impl Similarity {
             Kind::Sliding(axis) => self.traction() - self.tangential[axis],
             Kind::Traction => self.traction(),
             Kind::Force => self.traction() - self.density,
+            Kind::Normal => self.normal,
             Kind::Fixed => 0.0,
         }
     }
@@ -73,21 +75,26 @@ impl Similarity {
     }
 }
 
-/// How a number of a history scales.
+/// How a number of a jump, a traction or a history scales.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Interference,
     /// Along x or y.
     Sliding(usize),
-    /// On the surface.
+    /// Tangential, on the surface.
     Traction,
     /// Of one asperity.
     Force,
+    /// Normal, on the surface.
+    Normal,
     /// A measure of one asperity.
     Fixed,
 }
 
 impl Kind {
+    const JUMP: [Self; 3] = [Self::Sliding(0), Self::Sliding(1), Self::Interference];
+    const TRACTIONS: [Self; 3] = [Self::Traction, Self::Traction, Self::Normal];
+
     fn of(quantity: &Quantity) -> Option<Self> {
         let name = quantity.name.as_ref();
         let mut parts = name.splitn(3, '_');
@@ -153,9 +160,14 @@ impl Scaling {
                 *change -= rate.of(kind) * value;
             }
         };
-        into(jump.x, d_jump.x, Kind::Sliding(0));
-        into(jump.y, d_jump.y, Kind::Sliding(1));
-        into(jump.n, d_jump.n, Kind::Interference);
+        let ComponentsMut { x, y, n: normal } = d_jump;
+        for ((values, changes), kind) in [jump.x, jump.y, jump.n]
+            .into_iter()
+            .zip([&mut *x, &mut *y, &mut *normal])
+            .zip(Kind::JUMP)
+        {
+            into(values, changes, kind);
+        }
         for (c, (&kind, changes)) in self.kinds.iter().zip(d_begin.chunks_exact_mut(n.max(1))).enumerate() {
             into(begin.component(c, n), changes, kind);
         }
@@ -164,30 +176,73 @@ impl Scaling {
             sticking,
             jump,
             begin,
-            Components::new(d_jump.x, d_jump.y, d_jump.n),
+            Components::new(x, y, normal),
             StateView::new(d_begin, n, 0),
             StateViewMut::new(end.data, end.stride, end.offset),
             StateViewMut::new(d_end.data, d_end.stride, d_end.offset),
             ComponentsMut::new(traction.x, traction.y, traction.n),
             ComponentsMut::new(d_traction.x, d_traction.y, d_traction.n),
         );
-        let out = |values: &[f64], changes: &mut [f64], rate: &dyn Fn(&Similarity) -> f64| {
-            for ((change, value), own) in changes.iter_mut().zip(values).zip(rates) {
-                *change += rate(own) * value;
+        let out = |values: &[f64], changes: &mut [f64], kind: Kind| {
+            for ((change, value), rate) in changes.iter_mut().zip(values).zip(rates) {
+                *change += rate.of(kind) * value;
             }
         };
         for (c, &kind) in self.kinds.iter().enumerate() {
             let at = c * end.stride + end.offset;
             let of_change = c * d_end.stride + d_end.offset;
-            out(
-                &end.data[at..at + n],
-                &mut d_end.data[of_change..of_change + n],
-                &|rate| rate.of(kind),
-            );
+            out(&end.data[at..at + n], &mut d_end.data[of_change..of_change + n], kind);
         }
-        out(traction.x, d_traction.x, &Similarity::traction);
-        out(traction.y, d_traction.y, &Similarity::traction);
-        out(traction.n, d_traction.n, &|rate| rate.normal);
+        let ComponentsMut { x, y, n } = d_traction;
+        for ((values, changes), kind) in [traction.x, traction.y, traction.n]
+            .into_iter()
+            .zip([x, y, n])
+            .zip(Kind::TRACTIONS)
+        {
+            out(values, changes, kind);
+        }
+    }
+
+    /// What a path on the way back through a step finds of the parameter in jumps and tractions: how much the product of the adjoints with them
+    /// grows per unit of the parameter, for all points of the law.
+    ///
+    /// Histories take part as well, but each as the end of one step and as the begin of the next, with opposite signs. Of a whole path nothing is left
+    /// but [`Self::at_start`].
+    ///
+    /// # Panics
+    /// When a list is shorter than the points.
+    pub fn on_the_way(&self, jump: Components<'_>, traction: Components<'_>, adjoint: &Adjoint<'_>) -> f64 {
+        let sum = |kinds: [Kind; 3], adjoints: [&[f64]; 3], values: [&[f64]; 3]| {
+            let of_kind = |((kind, adjoints), values): ((Kind, &[f64]), &[f64])| {
+                let points = self.points.iter().zip(adjoints).zip(values);
+                points
+                    .map(|((rate, adjoint), value)| rate.of(kind) * adjoint * value)
+                    .sum::<f64>()
+            };
+            kinds.into_iter().zip(adjoints).zip(values).map(of_kind).sum::<f64>()
+        };
+        let (to_jump, of_traction) = (&adjoint.jump, adjoint.traction);
+        let of_tractions = [of_traction.x, of_traction.y, of_traction.n];
+        sum(Kind::TRACTIONS, of_tractions, [traction.x, traction.y, traction.n])
+            - sum(Kind::JUMP, [to_jump.x, to_jump.y, to_jump.n], [jump.x, jump.y, jump.n])
+    }
+
+    /// What is left of the histories of a whole path ([`Self::on_the_way`]), by the history that it begins with and the adjoint of that, both
+    /// `[component][point]` without holes.
+    pub fn at_start(&self, begin: &[f64], adjoint: &[f64]) -> f64 {
+        let n = self.points.len().max(1);
+        let components = self
+            .kinds
+            .iter()
+            .zip(begin.chunks_exact(n))
+            .zip(adjoint.chunks_exact(n));
+        let of_kind = |((&kind, values), adjoints): ((&Kind, &[f64]), &[f64])| {
+            let points = self.points.iter().zip(values).zip(adjoints);
+            points
+                .map(|((rate, value), adjoint)| rate.of(kind) * value * adjoint)
+                .sum::<f64>()
+        };
+        -components.map(of_kind).sum::<f64>()
     }
 
     /// Brings jump and begin state, `[component][point]` without holes, into the coordinates in which the law at the parameter's value plus
@@ -198,9 +253,9 @@ impl Scaling {
                 *value *= (-step * rate.of(kind)).exp();
             }
         };
-        by(x, Kind::Sliding(0));
-        by(y, Kind::Sliding(1));
-        by(n, Kind::Interference);
+        for (values, kind) in [x, y, n].into_iter().zip(Kind::JUMP) {
+            by(values, kind);
+        }
         let points = self.points.len();
         for (&kind, values) in self.kinds.iter().zip(begin.chunks_exact_mut(points.max(1))) {
             by(values, kind);
@@ -209,11 +264,10 @@ impl Scaling {
 
     /// Brings a tangent (row by row, Pa/m) found in these coordinates back.
     pub fn transform_tangent(&self, step: f64, tangent: [&mut [f64]; 9]) {
-        let kinds = [Kind::Sliding(0), Kind::Sliding(1), Kind::Interference];
         for (entry, values) in tangent.into_iter().enumerate() {
+            let (row, column) = (Kind::TRACTIONS[entry / 3], Kind::JUMP[entry % 3]);
             for (value, rate) in values.iter_mut().zip(&self.points) {
-                let row = if entry / 3 == 2 { rate.normal } else { rate.traction() };
-                *value *= (step * (row - rate.of(kinds[entry % 3]))).exp();
+                *value *= (step * (rate.of(row) - rate.of(column))).exp();
             }
         }
     }

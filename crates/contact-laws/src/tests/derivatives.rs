@@ -67,22 +67,32 @@ fn changes(found: &PointDerivative) -> Vec<f64> {
 /// What has been seen: steps compared with differences of all steps, and the largest error.
 type Tally = BTreeMap<&'static str, (u32, u32, f64)>;
 
-/// The product of adjoints with the change along a direction of the begin state is the same on both sides.
+/// The product of adjoints with the change along a direction of jump and begin state is the same on both sides.
 fn transposed(
     law: &dyn TractionLaw,
     (u, state): (&[f64; 3], &[f64]),
-    d_begin: &[f64],
+    (d_jump, d_begin): &Input,
     (m, l): &Input,
 ) -> Result<(), TestCaseError> {
-    let forwards = derivative_at_point(law, 0, Sticking::Coulomb, (*u, state), ([0.0; 3], d_begin));
-    let mut begin = vec![0.0; state.len()];
-    let mut adjoints = [Adjoint {
-        end: StateView::new(l, 1, 0),
-        traction: Components::new(&m[..1], &m[1..2], &m[2..]),
-        begin: StateViewMut::new(&mut begin, 1, 0),
-    }];
-    let jump = Components::new(&u[..1], &u[1..2], &u[2..]);
-    law.to_begin(0..1, jump, StateView::new(state, 1, 0), &mut adjoints);
+    let forwards = derivative_at_point(law, 0, Sticking::Coulomb, (*u, state), (*d_jump, d_begin));
+    let [of_traction, jump] = [m, u].map(|[x, y, n]| [x, y, n].map(std::slice::from_ref));
+    let back = |way: WayBack, after: &[f64]| {
+        let (mut to_jump, mut history) = ([0.0; 3], after.to_vec());
+        let [x, y, n] = to_jump.each_mut().map(std::slice::from_mut);
+        let mut adjoints = [Adjoint {
+            history: StateViewMut::new(&mut history, 1, 0),
+            traction: Components::new(of_traction[0], of_traction[1], of_traction[2]),
+            jump: ComponentsMut::new(x, y, n),
+        }];
+        let jump = Components::new(jump[0], jump[1], jump[2]);
+        law.transposed(0..1, jump, StateView::new(state, 1, 0), way, &mut adjoints);
+        (to_jump, history)
+    };
+    let (to_jump, begin) = back(WayBack::Committed, l);
+    prop_assert_eq!(back(WayBack::JumpAlone, l), (to_jump, l.clone()));
+    let (to_jump_alone, alone) = back(WayBack::Committed, &vec![0.0; l.len()]);
+    let kept: Vec<f64> = l.iter().zip(&alone).map(|(l, alone)| l + alone).collect();
+    prop_assert_eq!(back(WayBack::Passed, l), (to_jump_alone, kept));
     let changes = forwards.d_traction.iter().chain(&forwards.d_end);
     let values = forwards.traction.iter().chain(&forwards.end);
     let (mut sum, mut size, mut values_size) = (0.0, 0.0, 0.0);
@@ -91,7 +101,8 @@ fn transposed(
         size += (adjoint * change).abs();
         values_size += (adjoint * value).abs();
     }
-    let terms = || begin.iter().zip(d_begin).map(|(a, b)| a * b);
+    let inputs = || d_jump.iter().chain(d_begin);
+    let terms = || to_jump.iter().chain(&begin).zip(inputs()).map(|(a, b)| a * b);
     let (back, parts) = (terms().sum::<f64>(), terms().map(f64::abs).sum::<f64>());
     // What does not depend on the history changes by rounding of what it is.
     prop_assert!(
@@ -151,7 +162,7 @@ fn follow(
         }
 
         if sticking == Sticking::Coulomb {
-            transposed(law, (&u, &state), &along.1, &other)?;
+            transposed(law, (&u, &state), &along, &other)?;
         }
 
         let kind = match (here.regime, sticking) {
@@ -514,6 +525,7 @@ fn scaled_laws_change_as_their_neighbours_do() {
         let (mut begin, mut end) = (vec![0.0; 5 * n], vec![0.0; 5 * n]);
         let (mut d_begin, mut d_end) = (vec![0.0; 5 * n], vec![0.0; 5 * n]);
         let mut found = Vec::new();
+        let mut steps = Vec::new();
         for step in path {
             let jump: [Vec<f64>; 3] = core::array::from_fn(|c| step.iter().map(|u| 1e-6 * u[c]).collect());
             let fields = || -> [Vec<f64>; 3] { core::array::from_fn(|_| vec![0.0; n]) };
@@ -535,10 +547,44 @@ fn scaled_laws_change_as_their_neighbours_do() {
                 ComponentsMut::new(tx, ty, tz),
                 ComponentsMut::new(rx, ry, rz),
             );
+            steps.push((jump, t, begin.clone(), d_begin.clone()));
             std::mem::swap(&mut begin, &mut end);
             std::mem::swap(&mut d_begin, &mut d_end);
             found.extend((0..n).map(|i| [d_t[0][i], d_t[1][i], d_t[2][i]]));
         }
+        // The change of a weighted sum of the tractions after the first step, on the way back to its end.
+        let weight = |at: usize, c: usize| (1.0 + at as f64 + 0.7 * c as f64).sin();
+        let later = found.iter().enumerate().skip(n);
+        let terms = later.flat_map(|(at, found)| (0..3).map(move |c| weight(at, c) * found[c]));
+        let (forwards, size) = terms.fold((0.0, 0.0), |(sum, size), term| (sum + term, size + term.abs()));
+        let (mut backwards, mut history_back) = (0.0, vec![0.0; 5 * n]);
+        for (k, (jump, t, begin, d_begin)) in steps.iter().enumerate().skip(1).rev() {
+            let weights: [Vec<f64>; 3] = core::array::from_fn(|c| (0..n).map(|i| weight(k * n + i, c)).collect());
+            let mut to_jump: [Vec<f64>; 3] = core::array::from_fn(|_| vec![0.0; n]);
+            let [x, y, z] = to_jump.each_mut();
+            let mut adjoints = [Adjoint {
+                history: StateViewMut::new(&mut history_back, n, 0),
+                traction: Components::new(&weights[0], &weights[1], &weights[2]),
+                jump: ComponentsMut::new(x, y, z),
+            }];
+            let jump = Components::new(&jump[0], &jump[1], &jump[2]);
+            law.transposed(
+                0..n,
+                jump,
+                StateView::new(begin, n, 0),
+                WayBack::Committed,
+                &mut adjoints,
+            );
+            backwards += scaling.on_the_way(jump, Components::new(&t[0], &t[1], &t[2]), &adjoints[0]);
+            if k == 1 {
+                backwards += scaling.at_start(begin, &history_back);
+                backwards += history_back.iter().zip(d_begin).map(|(a, b)| a * b).sum::<f64>();
+            }
+        }
+        assert!(
+            (backwards - forwards).abs() < 1e-12 * size,
+            "{history:?}: {backwards} {forwards}"
+        );
         let h = 1e-6;
         let (above, below) = (tractions(h), tractions(-h));
         for (at, ((found, above), below)) in found.iter().zip(&above).zip(&below).enumerate() {

@@ -1,6 +1,6 @@
 //! The adapter through which the solver sees an interface.
 
-use contact_laws::{Components, ComponentsMut, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut};
+use contact_laws::{Components, ComponentsMut, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut, WayBack};
 use cqsma_solver::{DifferentiableForce, HystereticForce, PatternView, Reflection};
 use finite_elements::reflection::Places;
 use harmonic_balance::{DifferentiablePointwiseForce, PointwiseForce};
@@ -179,27 +179,32 @@ impl DifferentiableForce for InterfaceForce<'_> {
         self.interface.stuck_tangent_at(u, begin, parameter, workspace, tangent);
     }
 
-    fn to_displacements(
+    fn transposed(
         &self,
-        u: &[f64],
+        _: &[f64],
         begin: &State,
-        adjoints: &[State],
+        way: WayBack,
+        adjoints: &mut [State],
+        forces: &[Vec<f64>],
+        parameters: &[Option<&Variation>],
         workspace: &mut Workspace,
-        into: &mut [Vec<f64>],
+        to_displacements: &mut [Vec<f64>],
+        to_parameters: &mut [Vec<f64>],
     ) {
-        self.interface.end_to_jumps(u, begin, adjoints, workspace, into);
+        self.interface.transposed(
+            begin,
+            way,
+            adjoints,
+            forces,
+            parameters,
+            workspace,
+            to_displacements,
+            to_parameters,
+        );
     }
 
-    fn to_begin(
-        &self,
-        u: &[f64],
-        begin: &State,
-        adjoints: &[State],
-        forces: &[Vec<f64>],
-        workspace: &mut Workspace,
-        into: &mut [State],
-    ) {
-        self.interface.to_begin(u, begin, adjoints, forces, workspace, into);
+    fn at_start(&self, begin: &State, adjoint: &State, parameter: &Variation) -> f64 {
+        self.interface.at_start(begin, adjoint, parameter)
     }
 
     fn product(&self, adjoint: &State, change: &State) -> f64 {

@@ -3,7 +3,7 @@
 
 use contact_laws::{
     Components, ComponentsMut, ElasticCurves, FrictionalLaw, HistoryRule, PointParameters, StateView, StateViewMut,
-    Sticking, TangentMut, TractionLaw,
+    Sticking, TangentMut, TractionLaw, WayBack,
 };
 use proptest::prelude::*;
 use std::collections::HashMap;
@@ -1125,28 +1125,20 @@ fn adjoints_are_the_transposes_of_derivatives() {
     );
     let adjoints = [adjoint];
     let mut to_jump = vec![vec![0.0; nd]];
-    interface.end_to_jumps(&jump, &begin, &adjoints, &mut workspace, &mut to_jump);
-    let mut to_begin = vec![interface.no_change()];
     let forces = [of_force.clone()];
-    interface.to_begin(&jump, &begin, &adjoints, &forces, &mut workspace, &mut to_begin);
-    // The part of the force that comes from the history alone.
-    let (mut unused, mut by_history) = (interface.no_change(), vec![0.0; nd]);
-    let still = vec![0.0; nd];
-    interface.derivative(
-        &jump,
-        Sticking::Coulomb,
+    let mut to_begin = adjoints.clone();
+    interface.transposed(
         &begin,
-        &still,
-        &d_begin,
-        None,
-        &mut end,
-        &mut unused,
-        &mut workspace,
-        &mut force,
-        &mut by_history,
+        WayBack::Committed,
+        &mut to_begin,
+        &forces,
+        &[],
+        &workspace,
+        &mut to_jump,
+        &mut [],
     );
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let forwards = adjoints[0].product(&d_end) - dot(&of_force, &by_history);
+    let forwards = adjoints[0].product(&d_end) - dot(&of_force, &d_force);
     let backwards = dot(&to_jump[0], &d_jump) + to_begin[0].product(&d_begin);
     assert!(
         forwards != 0.0 && (backwards / forwards - 1.0).abs() < 1e-12,
