@@ -1113,55 +1113,104 @@ struct Transposed<'a, const B: usize> {
 impl<const B: usize> Pass for Transposed<'_, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let keeps = self.way == WayBack::JumpAlone;
-        match (self.acts.closes, self.acts.moves, keeps) {
-            (true, true, true) => self.of::<true, true>(),
-            (true, true, false) => self.of::<true, false>(),
-            (true, false, true) => self.of::<false, true>(),
-            (true, false, false) => self.of::<false, false>(),
+        let Self {
+            acts,
+            way,
+            u: [u_x, u_y, u_n],
+            u_0: [x_0, y_0, n_0],
+            memory: [memory_x, memory_y],
+            gap,
+            stiffness,
+            ratio,
+            reach,
+            traction: [t_x, t_y, t_n],
+            history: [history_x, history_y],
+            sums: [along_x, along_y, of_n, of_begin_n],
+        } = self;
+        macro_rules! back {
+            ($moves:literal, $keeps:literal) => {
+                back::<$moves, $keeps, B>(
+                    way, u_x, u_y, u_n, x_0, y_0, n_0, memory_x, memory_y, gap, stiffness, ratio, reach, t_x, t_y, t_n,
+                    history_x, history_y, along_x, along_y, of_n, of_begin_n,
+                )
+            };
+        }
+        match (acts.closes, acts.moves, way == WayBack::JumpAlone) {
+            (true, true, true) => back!(true, true),
+            (true, true, false) => back!(true, false),
+            (true, false, true) => back!(false, true),
+            (true, false, false) => back!(false, false),
             (false, ..) => {
-                for value in self.history.into_iter().flatten() {
-                    *value = self.way.before(*value, 0.0);
+                for value in history_x.iter_mut().chain(history_y) {
+                    *value = way.before(*value, 0.0);
                 }
             }
         }
     }
 }
 
-impl<const B: usize> Transposed<'_, B> {
-    #[inline(always)]
-    fn of<const MOVES: bool, const KEEPS: bool>(self) {
-        let Self { way, u, u_0, .. } = self;
-        let m = self.gap.len().min(B);
-        let [history_x, history_y] = self.history.map(|values| &mut values[..m]);
-        let [along_x, along_y, of_n, of_begin_n] = self.sums;
-        for i in 0..m {
-            let gap = self.gap[i];
-            let du = [0, 1].map(|q| bounded(u[q][i] - u_0[q][i]));
-            let (w, memory) = ([u[2][i] - gap, u_0[2][i] - gap], [0, 1].map(|q| self.memory[q][i]));
-            let reach = self.reach.0[i];
-            let found = match MOVES {
-                true => answer(w, du, memory, reach, false),
-                false => resting(w, du, memory),
-            };
-            let kappa = self.stiffness[i];
-            let pull = self.ratio[i] * kappa;
-            let after = [history_x[i], history_y[i]];
-            let stretch = [0, 1].map(|q| way.of_end(after[q]) + pull * self.traction[q][i]);
-            let [x, y] = found.across(stretch);
-            if !KEEPS {
-                history_x[i] = way.before(after[0], x);
-                history_y[i] = way.before(after[1], y);
-            }
-            along_x.0[i] += found.share * x;
-            along_y.0[i] += found.share * y;
-            of_n.0[i] += if found.closed { kappa * self.traction[2][i] } else { 0.0 };
-            if MOVES {
-                let along = x * du[0] + y * du[1];
-                let slip = stretch[0] * found.direction[0] + stretch[1] * found.direction[1];
-                of_n.0[i] += along * found.share_change([1.0, 0.0]) + reach * slip;
-                of_begin_n.0[i] += along * found.share_change([0.0, 1.0]);
-            }
+/// [`Transposed`], whether some move or not, and whether the adjoints of the stretch are kept; every array is an argument of its own, as in
+/// [`springs`].
+#[inline(always)]
+fn back<const MOVES: bool, const KEEPS: bool, const B: usize>(
+    way: WayBack,
+    u_x: &[f64],
+    u_y: &[f64],
+    u_n: &[f64],
+    x_0: &[f64],
+    y_0: &[f64],
+    n_0: &[f64],
+    memory_x: &[f64],
+    memory_y: &[f64],
+    gap: &[f64],
+    stiffness: &[f64],
+    ratio: &[f64],
+    reach: &Lanes<f64, B>,
+    t_x: &[f64],
+    t_y: &[f64],
+    t_n: &[f64],
+    history_x: &mut [f64],
+    history_y: &mut [f64],
+    along_x: &mut Lanes<f64, B>,
+    along_y: &mut Lanes<f64, B>,
+    of_n: &mut Lanes<f64, B>,
+    of_begin_n: &mut Lanes<f64, B>,
+) {
+    let m = u_x.len().min(B);
+    let (u_x, u_y, u_n) = (&u_x[..m], &u_y[..m], &u_n[..m]);
+    let (x_0, y_0, n_0) = (&x_0[..m], &y_0[..m], &n_0[..m]);
+    let (memory_x, memory_y) = (&memory_x[..m], &memory_y[..m]);
+    let (gap, stiffness, ratio) = (&gap[..m], &stiffness[..m], &ratio[..m]);
+    let (t_x, t_y, t_n) = (&t_x[..m], &t_y[..m], &t_n[..m]);
+    let (history_x, history_y) = (&mut history_x[..m], &mut history_y[..m]);
+    for i in 0..m {
+        let gap = gap[i];
+        let du = [bounded(u_x[i] - x_0[i]), bounded(u_y[i] - y_0[i])];
+        let (w, memory) = ([u_n[i] - gap, n_0[i] - gap], [memory_x[i], memory_y[i]]);
+        let found = match MOVES {
+            true => answer(w, du, memory, reach.0[i], false),
+            false => resting(w, du, memory),
+        };
+        let kappa = stiffness[i];
+        let pull = ratio[i] * kappa;
+        let after = [history_x[i], history_y[i]];
+        let stretch = [
+            way.of_end(after[0]) + pull * t_x[i],
+            way.of_end(after[1]) + pull * t_y[i],
+        ];
+        let [x, y] = found.across(stretch);
+        if !KEEPS {
+            history_x[i] = way.before(after[0], x);
+            history_y[i] = way.before(after[1], y);
+        }
+        along_x.0[i] += found.share * x;
+        along_y.0[i] += found.share * y;
+        of_n.0[i] += if found.closed { kappa * t_n[i] } else { 0.0 };
+        if MOVES {
+            let along = x * du[0] + y * du[1];
+            let slip = stretch[0] * found.direction[0] + stretch[1] * found.direction[1];
+            of_n.0[i] += along * found.share_change([1.0, 0.0]) + reach.0[i] * slip;
+            of_begin_n.0[i] += along * found.share_change([0.0, 1.0]);
         }
     }
 }
