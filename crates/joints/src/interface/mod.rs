@@ -539,7 +539,7 @@ fn refuse_gap_beyond_the_faces(gap: &[f64], mesh: &InterfaceMesh) -> Result<(), 
     Ok(())
 }
 
-/// The rigid approach of the two faces at which the interface carries `load` (N); bisection on a rising function.
+/// The rigid approach of the two faces at which the interface carries `load` (N); the Illinois method on a rising function.
 ///
 /// # Errors
 /// [`Error::NoContact`] if a closure of 1 m does not carry it.
@@ -572,27 +572,45 @@ pub fn uniform_closure(interface: &Interface, load: f64) -> Result<f64, Error> {
     // Beyond round-off of the gap, or the bracket would never grow.
     let first = f64::max(1e-9, 4.0 * f64::EPSILON * smallest.abs());
     let (mut low, mut high) = (smallest, smallest + first);
-    while carried(high) < load {
-        low = high;
+    let mut carried_low = 0.0;
+    let mut carried_high = carried(high);
+    while carried_high < load {
+        (low, carried_low) = (high, carried_high);
         high = smallest + 2.0 * (high - smallest);
+        carried_high = carried(high);
         if high > smallest + 1.0 {
             return Err(Error::NoContact {
                 load,
                 closure: high,
-                carried: carried(high),
+                carried: carried_high,
             });
         }
     }
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
+    let (mut below, mut above) = (carried_low - load, carried_high - load);
+    let mut best = (high, above);
+    // Whether the upper end moved last.
+    let mut moved = None;
+    for step in 1.. {
+        // Halves now and then, as kinks slow the secant down.
+        let middle = match step % 8 {
+            0 => 0.5 * (low + high),
+            _ => low - below * (high - low) / (above - below),
+        };
         if middle <= low || middle >= high {
             break;
         }
-        if carried(middle) < load {
-            low = middle
+        let excess = carried(middle) - load;
+        if excess.abs() < best.1.abs() {
+            best = (middle, excess);
+        }
+        // An end that stays counts half, or it would stay for ever.
+        if excess < 0.0 {
+            above *= if moved == Some(false) { 0.5 } else { 1.0 };
+            (low, below, moved) = (middle, excess, Some(false));
         } else {
-            high = middle
+            below *= if moved == Some(true) { 0.5 } else { 1.0 };
+            (high, above, moved) = (middle, excess, Some(true));
         }
     }
-    Ok(0.5 * (low + high))
+    Ok(best.0)
 }
