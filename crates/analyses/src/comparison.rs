@@ -5,14 +5,18 @@
 //! range that both backbones cover.
 
 use crate::Error;
+use file_io::input;
+use modal_identification::signal::{Quantity, Unit};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
+use std::path::Path;
 
 /// Amplitudes at which backbones are compared.
 pub const POINTS: usize = 200;
 
 /// One point of a backbone.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Point {
     /// Amplitude at the response point (SI unit of its quantity).
     pub amplitude: f64,
@@ -78,6 +82,108 @@ pub struct Misfit {
     pub damping_ln: Option<Difference>,
     /// Amplitudes, of [`POINTS`], at which both have a damping ratio.
     pub damping_points: usize,
+}
+
+/// A measured backbone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Experiment {
+    /// Name, by its folder and file.
+    pub name: String,
+    /// Its points, with amplitudes of `quantity`.
+    pub backbone: Backbone,
+    /// What was measured.
+    pub quantity: Quantity,
+}
+
+impl Experiment {
+    /// From a table as `identify` writes it: columns `amplitude [unit]`, `frequency_hz` and `damping_ratio`, and any others.
+    ///
+    /// # Errors
+    /// [`Error::Comparison`] with file, line and column; of a file that cannot be read.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        Self::of_table(path, &input::read_text(path, input::Kind::Table)?)
+    }
+
+    /// The same, from the text of the file.
+    ///
+    /// # Errors
+    /// [`Error::Comparison`] with file, line and column.
+    pub fn of_table(path: &Path, text: &str) -> Result<Self, Error> {
+        let at = path.display();
+        let refuse = |reason: String| Error::Comparison {
+            what: format!("{at}{reason}"),
+        };
+        let mut table = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .flexible(true)
+            .from_reader(text.as_bytes());
+        let header = table
+            .headers()
+            .map_err(|error| refuse(format!(", the first line: {error}")))?;
+        let header = header.clone();
+        let column = |wanted: &str| header.iter().position(|name| name == wanted);
+        let (Some(first), Some(frequency), Some(damping)) =
+            (header.get(0), column("frequency_hz"), column("damping_ratio"))
+        else {
+            return Err(refuse(
+                ": the first line must name the columns `amplitude [unit]`, `frequency_hz` and `damping_ratio`, as `identify` writes them".into(),
+            ));
+        };
+        let unit = first
+            .strip_prefix("amplitude [")
+            .and_then(|rest| rest.strip_suffix(']'));
+        let unit = unit.ok_or_else(|| refuse(format!(": the first column is `{first}`, not `amplitude [unit]`")))?;
+        let unit: Unit = unit
+            .parse()
+            .map_err(|error| refuse(format!(", the first line: {error}")))?;
+        let mut points = Vec::new();
+        for row in table.records() {
+            let row = row.map_err(|error| refuse(format!(": {error}")))?;
+            if row.iter().all(str::is_empty) {
+                continue;
+            }
+            let number = |column: usize| -> Result<f64, Error> {
+                let (cell, name) = (row.get(column).unwrap_or_default(), &header[column]);
+                let line = row.position().map_or(0, csv::Position::line);
+                let number = cell.parse();
+                number.map_err(|_| refuse(format!(", line {line}, column `{name}`: `{cell}` is no number")))
+            };
+            points.push(Point {
+                amplitude: unit.scale * number(0)?,
+                frequency_hz: number(frequency)?,
+                damping_ratio: Some(number(damping)?),
+            });
+        }
+        Ok(Self {
+            name: title(path),
+            backbone: Backbone::try_new(&at.to_string(), points)?,
+            quantity: unit.quantity,
+        })
+    }
+
+    /// The same over another quantity, converted with its own frequency.
+    ///
+    /// # Errors
+    /// [`Error::Comparison`].
+    pub fn over(self, quantity: Quantity) -> Result<Self, Error> {
+        let more = quantity.derivatives() - self.quantity.derivatives();
+        Ok(Self {
+            backbone: self.backbone.differentiated(&self.name, more)?,
+            quantity,
+            ..self
+        })
+    }
+}
+
+/// Name of a file with a backbone: that of its folder, and that of the file where it is its own.
+pub fn title(path: &Path) -> String {
+    let name = |path: Option<&Path>| path.and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned());
+    match (name(path.parent()), name(Some(path))) {
+        (Some(folder), Some(file)) if ["summary.json", "backbone.csv"].contains(&file.as_str()) => folder,
+        (Some(folder), Some(file)) => format!("{folder}/{file}"),
+        (None, Some(file)) => file,
+        _ => path.display().to_string(),
+    }
 }
 
 impl Backbone {

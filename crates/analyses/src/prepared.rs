@@ -1,6 +1,7 @@
 //! A scene before its first nonlinear solve: the structure reduced, the interface with its laws.
 
 use super::backbone::uniform;
+use super::comparison::Experiment;
 use super::connections::Connection;
 use super::costs;
 use super::deformed::Deformed;
@@ -21,6 +22,7 @@ use joints::interface::{InterfaceForce, SceneInterface};
 use joints::progress::{Progress, Silent, Stage, Within, end_stage, go_on};
 use joints::store::Options;
 use joints::structure::{StructuralModel, Structure};
+use modal_identification::signal::Quantity;
 use scenes::{Parameter, Scene};
 use sprs::CsMat;
 use zte_assembly::InterfaceMesh;
@@ -39,6 +41,8 @@ pub struct Prepared {
     pub(super) loop_elements: Vec<usize>,
     /// The parts of the interface by bolt.
     pub(super) connections: Vec<Connection>,
+    /// Measured backbones, over displacement.
+    pub(super) measured: Vec<Experiment>,
     /// The structure, if its bodies are to be shown deformed, its mesh's error is to be estimated, or if there are such derivatives.
     pub(super) structure: Option<Structure>,
 }
@@ -70,6 +74,7 @@ pub(super) fn prepare_on(
 ) -> Result<(Structure, Prepared), Error> {
     scene.validate(&scene.name)?;
     scene.analyses.shock.as_ref().map_or(Ok(()), shock::check)?;
+    measured(scene)?;
     let structure = mesh(scene, progress)?;
     let prepared = Prepared::try_new(scene, &structure, options, progress)?;
     Ok((structure, prepared))
@@ -90,6 +95,14 @@ pub(super) fn mesh(scene: &Scene, progress: &dyn Progress) -> Result<Structure, 
     }
     costs::expect(scene, &structure, progress);
     Ok(structure)
+}
+
+/// The measured backbones of a scene, over displacement.
+fn measured(scene: &Scene) -> Result<Vec<Experiment>, Error> {
+    let paths = scene.analyses.backbone.measured.iter();
+    paths
+        .map(|path| Experiment::read(path)?.over(Quantity::Displacement))
+        .collect()
 }
 
 impl Prepared {
@@ -142,6 +155,7 @@ impl Prepared {
             faces: (structure.interface().clone(), structure.joint.parts.clone()),
             loop_elements: loop_elements(scene, structure)?,
             connections,
+            measured: measured(scene)?,
             structure: (scene.output.deformed || !differenced.is_empty() || ErrorBar::is_estimated(scene))
                 .then(|| structure.clone()),
             derivatives: Derivatives {

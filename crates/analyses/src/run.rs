@@ -2,6 +2,7 @@
 
 use super::adaptation::Adaptation;
 use super::amplitude::AmplitudeResult;
+use super::comparison::Experiment;
 use super::connections::Connection;
 use super::deformed::Deformed;
 use super::error_bar::ErrorBar;
@@ -54,6 +55,8 @@ pub struct Run {
     pub loop_elements: Vec<usize>,
     /// The parts of the interface by bolt.
     pub connections: Vec<Connection>,
+    /// Experiment backbones, over displacement.
+    pub measured: Vec<Experiment>,
     /// What is implausible in the scene or in the results.
     pub warnings: Vec<Warning>,
     /// Files in the cache that let the run resume. Whoever has put the results in a safe place, or does not want to keep them,

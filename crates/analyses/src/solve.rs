@@ -243,6 +243,7 @@ impl Prepared {
             estimated_error: bodies.estimated_error,
             loop_elements: self.loop_elements,
             connections: self.connections,
+            measured: self.measured,
             adaptation: None,
             scene: self.scene,
             checkpoints,

@@ -2,7 +2,7 @@
 
 use crate::html::{MISSING, Table};
 use analyses::results::answer::{Answer, Verdict};
-use analyses::results::summary::Summary;
+use analyses::results::summary::{MeasuredSummary, Summary};
 use std::fmt::Write;
 
 /// The answer for one mode, on a page.
@@ -14,6 +14,8 @@ pub(crate) struct Shown {
     pub(crate) frequency: String,
     pub(crate) sentence: String,
     pub(crate) table: Table,
+    /// How far it lies from measured backbones.
+    pub(crate) measured: Vec<String>,
 }
 
 pub(crate) fn shown(summary: &Summary) -> Vec<Shown> {
@@ -40,6 +42,7 @@ pub(crate) fn shown(summary: &Summary) -> Vec<Shown> {
                 onset(answer)
             ),
             table: table(answer),
+            measured: measured(summary, answer.mode),
         }
     };
     summary.answer.iter().map(of_mode).collect()
@@ -79,9 +82,51 @@ pub fn lines(summary: &Summary) -> String {
                 one.frequency_hz
             );
         }
+        for line in measured(summary, answer.mode) {
+            let _ = writeln!(out, "  {line}");
+        }
         let _ = writeln!(out, "{}: {}", answer.verdict.words(), answer.reason);
     }
     out
+}
+
+/// How far a mode lies from each of its measured backbones.
+fn measured(summary: &Summary, mode: usize) -> Vec<String> {
+    let mut modes = summary.by_mode();
+    let of_mode = modes.find(|(further, _)| further.unwrap_or(summary.first_mode()) == mode);
+    let lines = |one: &MeasuredSummary| {
+        let Some(misfit) = &one.misfit else {
+            let range = [one.points.first(), one.points.last()].map(|point| point.map_or(f64::NAN, |p| p.amplitude));
+            return format!(
+                "against {}: no amplitude in common, it was measured from {}",
+                one.name,
+                range_of_lengths(range)
+            );
+        };
+        let signed = |percent: f64| {
+            format!(
+                "{} % {}",
+                digits(percent.abs()),
+                if percent < 0.0 { "low" } else { "high" }
+            )
+        };
+        let damping = misfit.damping_ln.map_or_else(String::new, |ln| {
+            let [mean, rms] = [ln.mean, ln.rms].map(|ln| 100.0 * ln.exp_m1());
+            format!(", damping {} (rms {} %)", signed(mean), digits(rms))
+        });
+        format!(
+            "against {}, {}: frequency {} (rms {} %){damping}",
+            one.name,
+            range_of_lengths(misfit.amplitudes),
+            signed(misfit.frequency_percent.mean),
+            digits(misfit.frequency_percent.rms)
+        )
+    };
+    of_mode.map_or_else(Vec::new, |(_, of)| of.measured.iter().map(lines).collect())
+}
+
+fn range_of_lengths(ends: [f64; 2]) -> String {
+    range(ends, &length)
 }
 
 fn intervals_of_frequency(answer: &Answer) -> String {

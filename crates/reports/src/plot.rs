@@ -1,8 +1,9 @@
 //! Pictures: the backbone, the response and the profiles of an element, and the cost of a load point.
 
 use crate::answer::{length, percent};
-use crate::styles::{Style, of_method, title};
+use crate::styles::{COLOURS, Style, of_method, title};
 use crate::{Drawing, Error};
+use analyses::comparison::Point;
 use analyses::ensemble::BandPoint;
 use analyses::results::summary::{BackboneSummary, MethodSummary, Status, Summary};
 use contact_laws::{ContactCurves, FittedCurves};
@@ -320,6 +321,7 @@ fn curves(
     main: RGBColor,
     cqsma: fn(&BackboneSummary) -> Option<f64>,
     other: fn(&MethodSummary) -> Option<f64>,
+    measured: fn(&Point) -> Option<f64>,
 ) -> Vec<Curve> {
     let methods = summary.methods.iter().map(|(name, points)| {
         let points = points.iter().enumerate();
@@ -329,7 +331,22 @@ fn curves(
     let points = summary.backbone.iter().enumerate();
     let points = points.filter_map(|(i, b)| Some((i, b.response_displacement?, cqsma(b)?)));
     let cqsma = (!summary.backbone.is_empty()).then(|| Curve::new("cqsma", main, points.collect()));
-    methods.chain(cqsma).collect()
+    let tests = summary
+        .measured
+        .iter()
+        .zip(COLOURS.into_iter().cycle().skip(1))
+        .map(|(one, colour)| {
+            let points = one.points.iter().enumerate();
+            let points = points.filter_map(|(i, p)| Some((i, p.amplitude, measured(p)?)));
+            Curve {
+                name: one.name.clone(),
+                colour,
+                dashes: None,
+                marks: Marks::Crosses,
+                points: points.collect(),
+            }
+        });
+    methods.chain(tests).chain(cqsma).collect()
 }
 
 /// All points of all curves.
@@ -349,13 +366,14 @@ fn draw(summary: &Summary, title: &str, root: &Canvas<'_>) -> Result<(), Drawing
         BLUE,
         |b| b.frequency_first_harmonic_hz,
         |m| m.frequency_first_harmonic_hz,
+        |p| Some(p.frequency_hz),
     );
     // EPMC tells what it found below its floor too, which would stretch a logarithmic axis down to round-off.
     let told = |m: &MethodSummary| {
         m.damping_ratio
             .filter(|zeta| m.damping_floor.is_none_or(|floor| zeta.abs() > floor))
     };
-    let mut damping = curves(summary, RED, |b| b.damping_ratio, told);
+    let mut damping = curves(summary, RED, |b| b.damping_ratio, told, |p| p.damping_ratio);
     let all = points(&damping).count();
     for curve in &mut damping {
         curve.points.retain(|(_, _, zeta)| *zeta > 0.0);

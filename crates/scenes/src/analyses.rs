@@ -13,6 +13,7 @@ use super::units::Length;
 use crate::Error;
 use cqsma_solver::cqsma::Commit;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// Name of the method of [`Analyses::epmc`] in outputs.
 pub const EPMC: &str = "epmc";
@@ -181,6 +182,10 @@ pub struct Backbone {
     /// Methods beside CQSMA, at the same amplitudes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub methods: Vec<Method>,
+    /// Measured backbones, each a table as `identify` writes them: columns `amplitude [unit]`, `frequency_hz` and `damping_ratio`, measured at the
+    /// response point. The answer says how far the result lies from them. Each is of the mode followed that is nearest in frequency.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub measured: Vec<PathBuf>,
 }
 
 impl Default for Backbone {
@@ -196,6 +201,7 @@ impl Default for Backbone {
             tolerance: 1e-9,
             loops_at: Vec::new(),
             methods: Vec::new(),
+            measured: Vec::new(),
         }
     }
 }

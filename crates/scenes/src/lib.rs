@@ -83,7 +83,7 @@ pub use units::{
     Acceleration, AccelerationDensity, Area, ArealDensity, ContactStiffness, Density, Dimension, Force, ForceDensity,
     Length, Mass, ModalAmplitude, Quantity, Stress, SurfaceEnergy, Torque, Unbalance, Unit, Units, dimension,
 };
-pub use upgrade::upgraded;
+pub use upgrade::{rewritten, upgraded};
 
 pub use cqsma_solver::cqsma::Commit;
 pub use finite_elements::elements::Formulation;

@@ -373,7 +373,12 @@ impl Scene {
         });
         let record = self.analyses.shock.as_mut().and_then(|shock| shock.record.as_mut());
         let record = record.map(|record| &mut record.path);
-        structure.into_iter().chain(scans.flatten()).chain(record)
+        let measured = &mut self.analyses.backbone.measured;
+        structure
+            .into_iter()
+            .chain(scans.flatten())
+            .chain(record)
+            .chain(measured)
     }
 
     /// The measured surface that the scene's `surface` stands for; none for scans and given parameters.

@@ -1,7 +1,8 @@
-//! Scene files of former layouts, rewritten with their comments.
+//! Scene files rewritten with their comments: those of former layouts, and those of which values change.
 
 use super::former::{METHODS, MOVED, OF_INTERFACES, path};
 use super::json::{parse, without_comments};
+use serde_json::Value;
 
 /// A value with the comments about it.
 struct Member {
@@ -26,11 +27,7 @@ enum Node {
 /// # Errors
 /// What is not JSON, in words.
 pub fn upgraded(text: &str) -> Result<Option<String>, String> {
-    parse(text)?;
-    let plain = without_comments(text)?;
-    let begin = plain.find('{').ok_or("an object { ... } is expected")?;
-    let end = plain.rfind('}').map_or(plain.len(), |end| end + 1);
-    let mut root = Node::Text(text[begin..end].into());
+    let (begin, mut root, end) = opened(text)?;
     let is_moved = match root.at("scene").is_some_and(|scene| scene.opened().is_object()) {
         false => scene(&mut root),
         true => {
@@ -38,7 +35,26 @@ pub fn upgraded(text: &str) -> Result<Option<String>, String> {
             root.at("scene").is_some_and(scene) | parts.contains(&true)
         }
     };
-    Ok(is_moved.then(|| format!("{}{}{}", &text[..begin], root.written(0), &text[end..])))
+    Ok(is_moved.then(|| format!("{begin}{}{end}", root.written(0))))
+}
+
+/// The text of a scene with other values, where it has comments and order of its own: what has the value already stays as it is written.
+///
+/// # Errors
+/// What is not JSON, in words.
+pub fn rewritten(text: &str, wanted: &Value) -> Result<String, String> {
+    let (begin, mut root, end) = opened(text)?;
+    root.become_value(wanted);
+    Ok(format!("{begin}{}{end}", root.written(0)))
+}
+
+/// What stands before the object of a text, the object and what stands behind it.
+fn opened(text: &str) -> Result<(&str, Node, &str), String> {
+    parse(text)?;
+    let plain = without_comments(text)?;
+    let begin = plain.find('{').ok_or("an object { ... } is expected")?;
+    let end = plain.rfind('}').map_or(plain.len(), |end| end + 1);
+    Ok((&text[..begin], Node::Text(text[begin..end].into()), &text[end..]))
 }
 
 /// Moves the fields of a scene; whether there were any to move.
@@ -134,7 +150,30 @@ fn rename_strings(node: &mut Node) -> bool {
     is_moved
 }
 
+/// A name as it stands between its quotes.
+fn escaped(name: &str) -> String {
+    let quoted = Value::from(name).to_string();
+    quoted[1..quoted.len() - 1].to_owned()
+}
+
+/// Whether two values are the same, however their numbers are written.
+fn is_same(a: &Value, b: &Value) -> bool {
+    match (a, b) {
+        (Value::Number(a), Value::Number(b)) => a.as_f64() == b.as_f64(),
+        (Value::Array(a), Value::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| is_same(a, b)),
+        (Value::Object(a), Value::Object(b)) => {
+            a.len() == b.len() && a.iter().all(|(name, a)| b.get(name).is_some_and(|b| is_same(a, b)))
+        }
+        _ => a == b,
+    }
+}
+
 impl Member {
+    /// A value without a name.
+    fn of(value: &Value) -> Self {
+        Self::plain(&serde_json::to_string_pretty(value).unwrap_or_default())
+    }
+
     /// Without a name and comments.
     fn plain(value: &str) -> Self {
         Self {
@@ -171,6 +210,37 @@ impl Node {
                 .find(|one| one.name == name)
                 .map(|one| &mut one.value),
             _ => None,
+        }
+    }
+
+    /// Takes on a value, with the members and comments of what stays.
+    fn become_value(&mut self, wanted: &Value) {
+        let written = || serde_json::to_string_pretty(wanted).unwrap_or_default();
+        if parse(&self.written(0)).is_ok_and(|own| is_same(&own, wanted)) {
+            return;
+        }
+        match (self.opened(), wanted) {
+            (Self::Object(members), Value::Object(wanted)) => {
+                members.retain(|one| wanted.keys().any(|name| escaped(name) == one.name));
+                for (name, value) in wanted {
+                    let name = escaped(name);
+                    match members.iter_mut().find(|one| one.name == name) {
+                        Some(one) => one.value.become_value(value),
+                        None => members.push(Member {
+                            name,
+                            ..Member::of(value)
+                        }),
+                    }
+                }
+            }
+            (Self::List(members), Value::Array(wanted)) => {
+                members.truncate(wanted.len());
+                for (one, value) in members.iter_mut().zip(wanted) {
+                    one.value.become_value(value);
+                }
+                members.extend(wanted[members.len()..].iter().map(Member::of));
+            }
+            (node, _) => *node = Self::Text(written()),
         }
     }
 
@@ -318,7 +388,7 @@ fn named<'t>(text: &'t str, plain: &str) -> (String, &'t str) {
 
 #[cfg(test)]
 mod tests {
-    use super::upgraded;
+    use super::{rewritten, upgraded};
     use crate::json::parse;
     use serde_json::json;
 
@@ -398,6 +468,42 @@ mod tests {
         }
         // Once is enough.
         assert_eq!(upgraded(&text).unwrap(), None);
+    }
+
+    #[test]
+    fn other_values_leave_the_comments_of_what_stays() {
+        let text = r#"// A joint.
+{
+  "units": { "length": "m", "time": "s" }, // SI
+  // Dry.
+  "interfaces": { "mu": 2e-1, "gap": "flat" },
+  "bolts": [
+    { "load": 1.2e4 }, // the first
+    { "load": 5.0 }
+  ]
+}
+// The end.
+"#;
+        let mut wanted = parse(text).unwrap();
+        assert_eq!(rewritten(text, &json!(wanted)).unwrap(), text);
+        wanted["interfaces"]["mu"] = json!(0.3);
+        wanted["interfaces"]["name \"x\""] = json!({ "a": [1] });
+        wanted["bolts"] = json!([{ "load": 12000 }, { "load": 7 }, { "load": 9 }]);
+        let changed = rewritten(text, &wanted).unwrap();
+        assert_eq!(parse(&changed).unwrap()["bolts"][0]["load"].as_f64(), Some(12e3));
+        wanted["bolts"][0]["load"] = json!(1.2e4);
+        assert_eq!(parse(&changed).unwrap(), wanted, "{changed}");
+        for part in [
+            "// A joint.\n",
+            "\"units\": { \"length\": \"m\", \"time\": \"s\" }, // SI\n",
+            "  // Dry.\n  \"interfaces\"",
+            "{ \"load\": 1.2e4 }, // the first\n",
+            "// The end.",
+        ] {
+            assert!(changed.contains(part), "`{part}` is not in:\n{changed}");
+        }
+        let without = rewritten(text, &json!({ "bolts": 1 })).unwrap();
+        assert_eq!(without, "// A joint.\n{\n  \"bolts\": 1\n}\n// The end.\n");
     }
 
     #[test]

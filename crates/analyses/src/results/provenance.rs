@@ -94,6 +94,8 @@ pub enum InputRole {
     BottomScan,
     /// A record of a load in time.
     Record,
+    /// A measured backbone.
+    Measured,
 }
 
 impl InputRole {
@@ -105,6 +107,7 @@ impl InputRole {
             Self::Mesh => file_io::input::Kind::Mesh,
             Self::Matrices => file_io::input::Kind::Matrices,
             Self::Record => file_io::input::Kind::Record,
+            Self::Measured => file_io::input::Kind::Table,
             Self::TopScan | Self::BottomScan => file_io::input::Kind::Scan,
         }
     }
@@ -205,5 +208,7 @@ pub fn inputs_of(scene: &Scene) -> Result<Vec<Input>, Error> {
     if let Some(record) = scene.analyses.shock.as_ref().and_then(|shock| shock.record.as_ref()) {
         files.push((InputRole::Record, record.path.clone()));
     }
+    let measured = scene.analyses.backbone.measured.iter();
+    files.extend(measured.map(|path| (InputRole::Measured, path.clone())));
     files.iter().map(|(role, path)| Input::of_file(*role, path)).collect()
 }

@@ -5,6 +5,7 @@ use super::answer::{Answer, Found, answer};
 use super::provenance::Provenance;
 use crate::adaptation::Adaptation;
 use crate::amplitude::JointLoop;
+use crate::comparison::{self, Misfit};
 use crate::ensemble::Ensemble;
 use crate::error_bar::ErrorBar;
 use crate::error_estimate::ErrorEstimate;
@@ -87,6 +88,9 @@ pub struct Summary {
     /// Where several modes are followed: each of them. `backbone`, `methods` and `validity` are those of the first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub backbones: Vec<ModeBackboneSummary>,
+    /// Measured backbones of the first mode followed, and how far it lies from them; left out unless the scene names any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub measured: Vec<MeasuredSummary>,
     /// Derivatives of all backbones with respect to the numbers that the scene's `sensitivities` name; left out unless asked for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensitivities: Vec<Sensitivity>,
@@ -153,8 +157,23 @@ pub struct ModeBackboneSummary {
     pub backbone: Vec<BackboneSummary>,
     /// Backbones of the methods beside CQSMA, by the names that scenes use.
     pub methods: BTreeMap<String, Vec<MethodSummary>>,
+    /// Measured backbones of the mode, and how far it lies from them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub measured: Vec<MeasuredSummary>,
     /// Limits of the model.
     pub validity: Validity,
+}
+
+/// A measured backbone beside the computed one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MeasuredSummary {
+    /// Name, by its folder and file.
+    pub name: String,
+    /// Its points over amplitudes of displacement at the response point (m).
+    pub points: Vec<comparison::Point>,
+    /// Computed less measured over the amplitudes of displacement that both have, the computed ones by first harmonics; `null` where there are none.
+    pub misfit: Option<Misfit>,
 }
 
 /// A preset as a summary has it, by its name.
@@ -447,6 +466,7 @@ impl Summary {
                 .collect(),
             connections: run.connections.clone(),
             backbone: backbone(run.first(), &run.scene, &run.parts),
+            measured: measured(run.first(), run),
             methods: methods(run.first()),
             backbones: match run.backbones.as_slice() {
                 [_] => Vec::new(),
@@ -547,6 +567,7 @@ impl Summary {
         Self {
             backbone: mode.backbone.clone(),
             methods: mode.methods.clone(),
+            measured: mode.measured.clone(),
             validity: mode.validity.clone(),
             backbones: Vec::new(),
             sensitivities: Vec::new(),
@@ -673,8 +694,35 @@ fn mode_backbone(of: &ModeBackbone, run: &Run) -> ModeBackboneSummary {
         frequency_hz: run.frequencies[of.mode - 1],
         backbone: backbone(of, &run.scene, &run.parts),
         methods: methods(of),
+        measured: measured(of, run),
         validity: of.validity.clone(),
     }
+}
+
+/// Measured backbones of a mode: those to which no other mode followed is nearer in frequency.
+fn measured(of: &ModeBackbone, run: &Run) -> Vec<MeasuredSummary> {
+    let computed = backbone(of, &run.scene, &run.parts);
+    let computed = computed.iter().filter_map(|point| {
+        Some(comparison::Point {
+            amplitude: point.response_motion?,
+            frequency_hz: point.frequency_first_harmonic_hz?,
+            damping_ratio: point.damping_ratio_first_harmonic,
+        })
+    });
+    // Of fewer than two amplitudes there is no backbone to compare.
+    let computed = comparison::Backbone::try_new("the run", computed.collect()).ok();
+    let mine = run.measured.iter().filter(|one| {
+        let frequency = one.backbone.points()[0].frequency_hz;
+        let distance = |of: &&ModeBackbone| (run.frequencies[of.mode - 1] / frequency).ln().abs();
+        let nearest = run.backbones.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.is_some_and(|nearest| nearest.mode == of.mode)
+    });
+    mine.map(|one| MeasuredSummary {
+        name: one.name.clone(),
+        points: one.backbone.points().to_vec(),
+        misfit: computed.as_ref().and_then(|computed| computed.misfit(&one.backbone)),
+    })
+    .collect()
 }
 
 /// Those of the loops, then those of free motions.

@@ -5,11 +5,12 @@ use crate::common::points::read;
 use crate::uncertainty::{MU_PATH, closed_form, onset, slider};
 use analyses::results::answer::Verdict;
 use analyses::results::summary::Summary;
-use analyses::{run, run_samples};
+use analyses::{prepare, run, run_samples};
 use joints::Options;
 use joints::progress::Silent;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use test_support::TemporaryFolder;
 
 fn summary(given: &Value) -> Summary {
     let run = run(&read(given).unwrap(), &Options::default(), &Silent).unwrap();
@@ -150,4 +151,61 @@ fn intervals_are_the_errors_of_the_settings() {
     }
     assert!(answer.onset_amplitude_m.unwrap() > 2e-5);
     assert!(!answer.reason.contains("CQSMA") && !answer.reason.contains("ZTE"));
+}
+
+/// A test whose frequencies are a percent above those of a run and whose dampings are twice as large, in um.
+#[test]
+fn measured_backbones_are_beside_the_answer() {
+    let folder = TemporaryFolder::new("answer-measured");
+    let file = folder.join("test.csv");
+    let mut given = slider("answer-measured", &Value::Null);
+    given["analyses"]["backbone"] = json!({ "amplitudes": 12, "amplitude_from": "0.3 mm", "amplitude_to": "3 mm" });
+    let rows = summary(&given).backbone.into_iter().map(|point| {
+        let (motion, ratio) = (
+            point.response_motion.unwrap(),
+            point.damping_ratio_first_harmonic.unwrap(),
+        );
+        let frequency = point.frequency_first_harmonic_hz.unwrap();
+        format!("{},{},{}\n", 1e6 * motion, 1.01 * frequency, 2.0 * ratio)
+    });
+    let rows: String = rows.skip(2).collect();
+    std::fs::write(&file, format!("amplitude [um],frequency_hz,damping_ratio\n{rows}")).unwrap();
+    given["analyses"]["backbone"]["measured"] = json!([file]);
+    let summary = summary(&given);
+    let [one] = summary.measured.as_slice() else {
+        panic!("{:?}", summary.measured)
+    };
+    let misfit = one.misfit.unwrap();
+    assert!(
+        (misfit.frequency_percent.mean + 100.0 * 0.01 / 1.01).abs() < 1e-9,
+        "{misfit:?}"
+    );
+    assert!(
+        (misfit.damping_ln.unwrap().mean + 2.0_f64.ln()).abs() < 0.02,
+        "{misfit:?}"
+    );
+    assert_eq!(one.points.len(), 10);
+    let scene = read(&given).unwrap();
+    let inputs = analyses::results::provenance::inputs_of(&scene).unwrap();
+    assert!(inputs.iter().any(|input| input.path == file.display().to_string()));
+    // What cannot be read is refused before anything is computed.
+    for (text, why) in [
+        ("amplitude [um],frequency_hz\n1,2\n", "must name the columns"),
+        ("amplitude [s],frequency_hz,damping_ratio\n1,2,3\n", "the unit `s`"),
+        (
+            "amplitude [um],frequency_hz,damping_ratio\n1,2,3\n4,x,6\n",
+            "line 3, column `frequency_hz`: `x` is no number",
+        ),
+        (
+            "amplitude [um],frequency_hz,damping_ratio\n1,2,3\n",
+            "two different amplitudes",
+        ),
+    ] {
+        std::fs::write(&file, text).unwrap();
+        let error = prepare(&scene, &Options::default(), &Silent).unwrap_err().to_string();
+        assert!(error.contains("test.csv") && error.contains(why), "{error}");
+    }
+    std::fs::remove_file(&file).unwrap();
+    let error = prepare(&scene, &Options::default(), &Silent).unwrap_err().to_string();
+    assert!(error.contains("test.csv"), "{error}");
 }

@@ -1,6 +1,6 @@
 //! `calibrate`: numbers of a scene from measured backbones.
 
-use super::compare::Experiment;
+use super::compare;
 use super::defaults::Defaults;
 use super::destination::default_directory;
 use super::outcome::Outcome;
@@ -10,6 +10,7 @@ use crate::files::{self, Overwrite};
 use crate::progress::{Display, Monitor};
 use analyses::calibration;
 use analyses::calibration::{Calibration, Measured, Noise};
+use analyses::comparison::Experiment;
 use analyses::comparison::{Backbone, Point};
 use anyhow::{Context, Result, bail, ensure};
 use host::results_of;
@@ -161,7 +162,7 @@ impl Arguments {
             );
         }
         let measured = self.experiments.iter().enumerate().map(|(place, path)| {
-            let Experiment { name, backbone, .. } = Experiment::read(path)?.over(Quantity::Displacement)?;
+            let Experiment { name, backbone, .. } = compare::experiment(path)?.over(Quantity::Displacement)?;
             let mode = self.modes.get(place).copied().unwrap_or(first);
             Ok(Measured { name, mode, backbone })
         });

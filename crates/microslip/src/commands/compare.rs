@@ -3,10 +3,10 @@
 use super::identify;
 use crate::files::{self, Overwrite};
 use crate::text::print;
-use analyses::comparison::{Backbone, Misfit, POINTS, Point};
+use analyses::comparison::{Backbone, Experiment, Misfit, POINTS, Point, title};
 use anyhow::{Context, Result, bail, ensure};
 use file_io::durable::{Identity, Manifest};
-use modal_identification::signal::{Quantity, Unit};
+use modal_identification::signal::Quantity;
 use reports::Output;
 use reports::csv::{number, table as csv_table};
 use reports::names::SUMMARY;
@@ -48,12 +48,6 @@ struct Theory {
     name: String,
     backbone: Backbone,
     band: Option<[Backbone; 2]>,
-}
-
-pub(super) struct Experiment {
-    pub(super) name: String,
-    pub(super) backbone: Backbone,
-    quantity: Quantity,
 }
 
 /// An experiment beside the theory.
@@ -217,17 +211,6 @@ fn file(path: &Path) -> Result<PathBuf> {
     Ok(path.join(if is_run { SUMMARY } else { TABLE }))
 }
 
-/// Name for tables: that of the folder, for a file with a name of its own also that.
-fn title(path: &Path) -> String {
-    let name = |path: Option<&Path>| path.and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned());
-    match (name(path.parent()), name(Some(path))) {
-        (Some(folder), Some(file)) if [SUMMARY, TABLE].contains(&file.as_str()) => folder,
-        (Some(folder), Some(file)) => format!("{folder}/{file}"),
-        (None, Some(file)) => file,
-        _ => path.display().to_string(),
-    }
-}
-
 /// What is read of the summary of a run, whatever else it holds.
 #[derive(Deserialize)]
 struct Summary {
@@ -363,7 +346,7 @@ impl Results {
             };
             return Ok(Self::Run(Ran { path, summary }));
         }
-        Experiment::of_table(&path, &header, table).map(Self::Measured)
+        Ok(Self::Measured(Experiment::of_table(&path, &text)?))
     }
 
     /// Whether it stands beside backbones of first harmonics: all but runs without them.
@@ -405,62 +388,11 @@ impl Theory {
     }
 }
 
-impl Experiment {
-    /// A backbone of `identify` or of a ring-down, or that of a run.
-    pub(super) fn read(path: &Path) -> Result<Self> {
-        let results = Results::read(path)?;
-        let harmonic = matches!(&results, Results::Run(run) if run.is_harmonic());
-        results.experiment(harmonic)
-    }
-
-    fn of_table(path: &Path, header: &csv::StringRecord, mut table: csv::Reader<&[u8]>) -> Result<Self> {
-        let at = path.display();
-        let column = |wanted: &str| header.iter().position(|name| name == wanted);
-        let (Some(first), Some(frequency), Some(damping)) =
-            (header.get(0), column("frequency_hz"), column("damping_ratio"))
-        else {
-            bail!(
-                "{at}: the first line must name the columns `amplitude [unit]`, `frequency_hz` and `damping_ratio`, as \
-                 `identify` writes them"
-            )
-        };
-        let unit = first
-            .strip_prefix("amplitude [")
-            .and_then(|rest| rest.strip_suffix(']'));
-        let unit = unit.with_context(|| format!("{at}: the first column is `{first}`, not `amplitude [unit]`"))?;
-        let unit: Unit = unit.parse().with_context(|| format!("{at}: the first line"))?;
-        let mut points = Vec::new();
-        for row in table.records() {
-            let row = row.with_context(|| format!("reading {at}"))?;
-            if row.iter().all(str::is_empty) {
-                continue;
-            }
-            let number = |column: usize| -> Result<f64> {
-                let (cell, name) = (row.get(column).unwrap_or_default(), &header[column]);
-                let line = row.position().map_or(0, csv::Position::line);
-                cell.parse()
-                    .with_context(|| format!("{at}, line {line}, column `{name}`: `{cell}` is no number"))
-            };
-            points.push(Point {
-                amplitude: unit.scale * number(0)?,
-                frequency_hz: number(frequency)?,
-                damping_ratio: Some(number(damping)?),
-            });
-        }
-        Ok(Self {
-            name: title(path),
-            backbone: Backbone::try_new(&at.to_string(), points)?,
-            quantity: unit.quantity,
-        })
-    }
-
-    pub(super) fn over(self, quantity: Quantity) -> Result<Self> {
-        let more = quantity.derivatives() - self.quantity.derivatives();
-        Ok(Self {
-            backbone: self.backbone.differentiated(&self.name, more)?,
-            ..self
-        })
-    }
+/// A backbone of `identify` or of a ring-down, or that of a run.
+pub(super) fn experiment(path: &Path) -> Result<Experiment> {
+    let results = Results::read(path)?;
+    let harmonic = matches!(&results, Results::Run(run) if run.is_harmonic());
+    results.experiment(harmonic)
 }
 
 /// One row per experiment; empty cells where there is no value.

@@ -126,6 +126,13 @@ function modeCurves(mode) {
     ...STYLES[method.name],
     ...withAmplitudes({ displacement: method.response_displacement, modal: method.modal_amplitude, frequency: method.frequency_hz, damping: method.damping_ratio }),
   }));
+  const measured = (mode.measured ?? []).map((one, i) => ({
+    name: one.name,
+    colour: COLOURS[(1 + i) % COLOURS.length],
+    marks: true,
+    dash: [4, 3],
+    ...withAmplitudes({ displacement: one.response_displacement, modal: one.modal_amplitude, frequency: one.frequency_hz, damping: one.damping_ratio }),
+  }));
   const stored = new Set(mode.stops.map((stop) => stop.number));
   const run = { name: "CQSMA", ...STYLES.CQSMA, ...own };
   run.notes = own.frequency.map((_, i) => `amplitude ${i + 1}${stored.has(i + 1) ? ", with fields" : ""}`);
@@ -139,7 +146,8 @@ function modeCurves(mode) {
       return { displacement: x, velocity: x * omega, acceleration: x * omega * omega, modal: modal === null ? null : modal * x, frequency: band.frequency_hz, damping: band.damping_ratio };
     });
   }
-  return own.frequency.length > 0 ? [...methods, run] : methods;
+  const beside = [...methods, ...measured];
+  return own.frequency.length > 0 ? [...beside, run] : beside;
 }
 
 /** Angles (degrees) without jumps of whole turns, the first one between -180 and 180. */

@@ -6,8 +6,9 @@ use crate::fields::{Placed, total_flux};
 use crate::motions::PeriodicMotions;
 use crate::names::table_file;
 use crate::{Error, csv, styles};
+use analyses::comparison::Point;
 use analyses::ensemble::BandPoint;
-use analyses::results::summary::{MethodSummary, Summary};
+use analyses::results::summary::{MeasuredSummary, MethodSummary, Summary};
 use analyses::uncertainty;
 use analyses::{ElementLoops, Fields, ModeBackbone, Run};
 use contact_laws::Regime;
@@ -52,18 +53,21 @@ pub(super) struct Backbone {
     /// That table, as it stands in the file.
     table: String,
     methods: Vec<Curve>,
+    /// Measured backbones.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    measured: Vec<Curve>,
     /// Percentiles of samples of uncertain inputs, or of an ensemble of the first mode.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     bands: Vec<Band>,
 }
 
-/// The backbone of a method beside CQSMA; null where there is no value.
+/// The backbone of a method beside CQSMA, or a measured one; null where there is no value.
 #[derive(Debug, Serialize)]
 struct Curve {
     name: String,
     /// m
     response_displacement: Vec<Option<f64>>,
-    /// sqrt(kg) m
+    /// sqrt(kg) m; of measurements it is not known.
     modal_amplitude: Vec<Option<f64>>,
     frequency_hz: Vec<Option<f64>>,
     damping_ratio: Vec<Option<f64>>,
@@ -280,8 +284,20 @@ impl Backbone {
                 .iter()
                 .map(|(name, points)| curve(&styles::title(name), points))
                 .collect(),
+            measured: summary.measured.iter().map(measured).collect(),
             bands: bands(mode, summary),
         })
+    }
+}
+
+fn measured(of: &MeasuredSummary) -> Curve {
+    let value = |value: fn(&Point) -> Option<f64>| of.points.iter().map(value).collect();
+    Curve {
+        name: of.name.clone(),
+        response_displacement: value(|p| Some(p.amplitude)),
+        modal_amplitude: value(|_| None),
+        frequency_hz: value(|p| Some(p.frequency_hz)),
+        damping_ratio: value(|p| p.damping_ratio),
     }
 }
 

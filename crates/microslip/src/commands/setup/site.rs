@@ -101,19 +101,24 @@ impl Setup {
     fn save(&self, state: &mut State, sent: &Sent) -> Result<(), Answer> {
         let refused = |document: Value| Err(Answer::json(&document));
         let path = &self.place.scene;
-        if let Err(message) = scenes::parse_json(&sent.scene) {
-            return refused(json!({ "error": message }));
-        }
+        let wanted = match scenes::parse_json(&sent.scene) {
+            Ok(wanted) => wanted,
+            Err(message) => return refused(json!({ "error": message })),
+        };
+        let former = std::fs::read_to_string(path).ok();
         let is_own = match std::fs::symlink_metadata(path) {
             Err(_) => true,
-            Ok(_) => state.saved.is_some() && std::fs::read_to_string(path).ok() == state.saved,
+            Ok(_) => state.saved.is_some() && former == state.saved,
         };
         if !is_own && !sent.replace {
             return refused(json!({ "exists": self.place.scene_name() }));
         }
-        match durable::write(path, sent.scene.as_bytes()) {
+        // With the comments of what was there, where it was a scene.
+        let kept = former.and_then(|former| scenes::rewritten(&former, &wanted).ok());
+        let text = kept.unwrap_or_else(|| sent.scene.clone());
+        match durable::write(path, text.as_bytes()) {
             Ok(()) => {
-                state.saved = Some(sent.scene.clone());
+                state.saved = Some(text);
                 Ok(())
             }
             Err(error) => refused(json!({ "error": host::with_causes(&error) })),
