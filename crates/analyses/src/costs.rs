@@ -36,6 +36,15 @@ const RECOVERING: (f64, f64) = (0.8, 1.2e-3);
 /// Loops of each mode that the error of a mesh follows from.
 const LOOPS_OF_MESH: f64 = 2.0;
 
+/// Per number of the reduced matrix: of a periodic motion on one thread, and of a step in time.
+const MOVING: [f64; 2] = [7.5e-7, 4e-9];
+
+/// Periodic motions of a level of a forced response.
+const MOTIONS_OF_LEVEL: f64 = 24.0;
+
+/// A method beside the backbone, relative to it.
+const METHOD: f64 = 0.15;
+
 /// A sample beside the backbone of the scene, whose errors are estimated too.
 const SAMPLE: f64 = 1.1;
 
@@ -54,6 +63,7 @@ pub(super) fn expect(scene: &Scene, structure: &Structure, progress: &dyn Progre
     let entries = structure.reduced_entries() as f64;
     let factor = FACTORING.0 * (1e-5 * unknowns as f64).powf(FACTORING.1);
     let [rest, modes, vertex] = SOLVING.map(|each| each * entries);
+    let [periodic, step] = MOVING.map(|each| each * entries);
     let analyses = &scene.analyses;
     let loops = (analyses.backbone.amplitudes * analyses.modes.followed.len()) as f64;
     let of_loop = vertex * analyses.backbone.vertices_per_quarter as f64 / threads;
@@ -78,16 +88,33 @@ pub(super) fn expect(scene: &Scene, structure: &Structure, progress: &dyn Progre
         }
         expect(Stage::Backbone, loops * of_loop);
     }
-    let asked = [
-        (Stage::Methods, !analyses.backbone.methods.is_empty()),
-        (Stage::Epmc, analyses.epmc.is_some()),
-        (Stage::Forced, analyses.forced.is_some()),
-        (Stage::Random, analyses.random.is_some()),
-        (Stage::Shock, analyses.shock.is_some()),
-        (Stage::Transient, analyses.ring_down.is_some()),
-    ];
-    for (stage, _) in asked.into_iter().filter(|(_, is_asked)| *is_asked) {
-        progress.expect(stage, Expected::Unknown);
+    let methods = METHOD * analyses.backbone.methods.len() as f64;
+    if methods > 0.0 {
+        progress.expect(Stage::Methods, Expected::Times(methods, Stage::Backbone));
+    }
+    if let Some(epmc) = &analyses.epmc {
+        let amplitudes = epmc.modal_amplitudes.as_ref().map(|given| given.values().len());
+        let amplitudes = amplitudes.unwrap_or(analyses.backbone.amplitudes) * analyses.modes.followed.len();
+        expect(Stage::Epmc, in_part(periodic) * amplitudes as f64);
+    }
+    if let Some(forced) = &analyses.forced {
+        let motions = MOTIONS_OF_LEVEL * forced.levels().len() as f64;
+        expect(Stage::Forced, in_part(periodic) * motions);
+    }
+    if let Some(random) = &analyses.random {
+        // Without motions in time it takes milliseconds.
+        let steps = random.in_time.map_or(0, |asked| asked.periods * asked.steps_per_period);
+        expect(Stage::Random, step * (steps * random.levels.len()) as f64);
+    }
+    if let Some(shock) = &analyses.shock {
+        // And as many of a joint that answers linearly.
+        expect(Stage::Shock, step * (2 * shock.periods * shock.steps_per_period) as f64);
+    }
+    if let Some(ring_down) = &analyses.ring_down {
+        expect(
+            Stage::Transient,
+            step * (ring_down.periods * ring_down.steps_per_period) as f64,
+        );
     }
     let displacements = in_part(RECOVERING.0 * factor);
     let of_bodies = if scene.output.deformed { displacements } else { 0.0 };

@@ -86,8 +86,6 @@ pub enum Expected {
     Seconds(f64),
     /// So many times what another stage takes.
     Times(f64, Stage),
-    /// There is no telling.
-    Unknown,
 }
 
 /// Receives the progress of a run; calls may come from several threads.
