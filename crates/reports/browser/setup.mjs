@@ -135,7 +135,11 @@ async function byMouse(browser) {
     assert.equal(await page.locator("main i").count(), 0);
     await page.getByRole("button", { name: "Whole model" }).click();
     await clickFor(page, /lower: plane, normal \(0, -1, 0\)/);
-    assert.match(await page.locator(".view .told").innerText(), /No surface of the mesh has its name/);
+    // Without a name in the mesh it is held by a position on it.
+    await page.getByRole("button", { name: "Hold this face" }).click();
+    await page.getByText("The scene is complete.").waitFor();
+    await page.getByRole("button", { name: /^Do not hold the face at/ }).click();
+    await page.getByText("The scene is complete.").waitFor();
     await page.getByRole("button", { name: "Force here" }).click();
     assert.match(await at(page, "analyses.forced.node").locator("input").inputValue(), /^\d+$/);
     await wrong(page, "analyses.forced.levels").waitFor();

@@ -128,6 +128,10 @@ pub struct MeshSupport {
     /// A surface of the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<String>,
+    /// In its place a position: the smooth part of the bodies' outer surface with the face whose middle is nearest to it. It ends at edges where
+    /// neighbouring faces meet at more than 46 degrees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub face: Option<[Length; 3]>,
     /// In its place, a group of nodes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub points: Option<String>,

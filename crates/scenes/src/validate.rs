@@ -519,6 +519,9 @@ impl MeshFile {
             if let Some(stiffness) = support.stiffness {
                 check.positive("stiffness", stiffness.si(), "Pa/m")?;
             }
+            for x in support.face.iter().flatten().map(|x| x.si()) {
+                check.that(x.abs() < FARTHEST, "face", x, "m", "less than 1e9 m in size")?;
+            }
             check.that(
                 support.components.contains(&true),
                 "components",

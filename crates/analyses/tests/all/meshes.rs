@@ -5,7 +5,7 @@ use analyses::warnings::{WarningKind, of_input};
 use analyses::{Run, run};
 use finite_elements::elements::{Cell, Formulation, HEX8};
 use finite_elements::formats::gmsh;
-use finite_elements::mesh::{Assembly, Element, Face, Group, Material, Mesh};
+use finite_elements::mesh::{Assembly, Dof, Element, Face, Group, Material, Mesh};
 use joint_model::fit::Fit;
 use joint_model::quadratic::raise_surfaces;
 use joint_model::{Bodies, Sides};
@@ -231,6 +231,48 @@ fn meshes_that_match_or_not_give_the_same_structure() {
             let about = format!("{lower:?} {upper:?} {interface}");
             compare(&spectrum(&found), &reference, bounds, &about);
         }
+    }
+}
+
+/// The end of the lower plate, by a position beside it.
+#[test]
+fn a_face_is_held_by_a_position_on_it() {
+    let folder = TemporaryFolder::new("lap-held");
+    let path = folder.join("lap.msh");
+    lap([12, 4, 2], [12, 4, 2]).write(&path);
+    let structure = |support: Value| {
+        let held = scene(&path, named(), |scene| {
+            scene["structure"]["mesh"]["supports"] = json!([support])
+        });
+        Structure::try_new(&held, &Silent)
+    };
+    let found = structure(json!({ "face": ["-1 mm", 0.013, -0.004], "components": [true, false, true] })).unwrap();
+    let Bodies::Meshed(bodies) = &found.joint.bodies else {
+        panic!("a mesh")
+    };
+    let assembly = &bodies.assembly;
+    let ends = (0..).zip(&assembly.mesh.nodes).filter(|(_, x)| x[0].abs() < 1e-9);
+    let expected: Vec<Dof> = ends.flat_map(|(node, _)| [0, 2].map(|c| Dof::Node(node, c))).collect();
+    assert_eq!((expected.len(), &assembly.supports), (2 * 15, &expected));
+    let found = structure(json!({ "face": [0, 0.015, -0.005], "stiffness": "1000 GPa/m" })).unwrap();
+    let Bodies::Meshed(bodies) = &found.joint.bodies else {
+        panic!("a mesh")
+    };
+    let ground: f64 = bodies.assembly.springs.iter().map(|spring| spring.stiffness).sum();
+    assert!((ground / (3.0 * 1e12 * 3e-4) - 1.0).abs() < 1e-12, "{ground}");
+    for (support, told) in [
+        (json!({ "face": [0, 15, -5] }), "more than the size of the mesh"),
+        (
+            json!({ "face": [0, 0, 0], "surface": "foot" }),
+            "give one of `surface`, `face` and `points`",
+        ),
+        (json!({}), "give one of"),
+    ] {
+        let error = structure(support).unwrap_err().to_string();
+        assert!(
+            error.contains(told) && error.contains("structure.mesh.supports"),
+            "{error}"
+        );
     }
 }
 

@@ -5,7 +5,7 @@ use super::excited::{excited, require_held};
 use super::facing::{Facing, Surfaces};
 use super::material::material;
 use super::rigid_motions::rigid_motions;
-use super::survey::body_name;
+use super::survey::{body_name, smooth};
 use super::touching;
 use crate::Error;
 use finite_elements::formats::solid_mesh::SolidMesh;
@@ -329,13 +329,16 @@ impl File<'_> {
     fn support(&self, number: usize, support: &MeshSupport, assembly: &mut Assembly) -> Result<(), Error> {
         let field = || format!("structure.mesh.supports, number {number}");
         let held = (0..3_u8).filter(|&c| support.components[usize::from(c)]);
-        match (
-            &support.surface,
-            &support.points,
-            support.stiffness.map(ContactStiffness::si),
-        ) {
-            (Some(surface), None, Some(stiffness)) => {
-                for (node, area) in self.areas(self.mesh.surface(surface)?) {
+        let faces = match (&support.surface, support.face, &support.points) {
+            (Some(surface), None, None) => Some(self.mesh.surface(surface)?.into()),
+            (None, Some(position), None) => Some(self.smooth_surface(&format!("{}: face", field()), position)?.into()),
+            (None, None, Some(_)) => None,
+            _ => return self.fail(field(), "give one of `surface`, `face` and `points`"),
+        };
+        let faces: Option<Cow<'_, [Face]>> = faces;
+        match (&faces, &support.points, support.stiffness.map(ContactStiffness::si)) {
+            (Some(faces), _, Some(stiffness)) => {
+                for (node, area) in self.areas(faces) {
                     assembly.springs.extend(held.clone().map(|component| GroundSpring {
                         node,
                         component,
@@ -343,14 +346,14 @@ impl File<'_> {
                     }));
                 }
             }
-            (None, Some(_), Some(_)) => {
+            (None, _, Some(_)) => {
                 return self.fail(
                     field(),
                     "a stiffness per area needs a surface, and this is a group of nodes",
                 );
             }
-            (Some(surface), None, None) => {
-                let nodes = touching::nodes(self.mesh.surface(surface)?);
+            (Some(faces), _, None) => {
+                let nodes = touching::nodes(faces);
                 let all = nodes
                     .into_iter()
                     .flat_map(|node| held.clone().map(move |c| Dof::Node(node, c)));
@@ -361,7 +364,44 @@ impl File<'_> {
                 let all = nodes.flat_map(|&node| held.clone().map(move |c| Dof::Node(node, c)));
                 assembly.supports.extend(all);
             }
-            _ => return self.fail(field(), "give either a `surface` or `points`"),
+            (None, None, None) => {}
+        }
+        Ok(())
+    }
+
+    /// The smooth part of the outer surface with the face whose middle is nearest to a position.
+    fn smooth_surface(&self, field: &str, position: [Length; 3]) -> Result<Vec<Face>, Error> {
+        let position = Vector3::from(position.map(Length::si));
+        let faces: Vec<Face> = self.boundary().iter().map(|(face, _)| face.clone()).collect();
+        let away = |face: &Face| {
+            let corners = face.corners();
+            let sum: Vector3<f64> = corners.iter().map(|&node| self.at(node)).sum();
+            (sum / corners.len() as f64 - position).norm()
+        };
+        let distances: Vec<f64> = faces.iter().map(away).collect();
+        let nearest = (0..faces.len()).min_by(|&a, &b| distances[a].total_cmp(&distances[b]));
+        let Some(nearest) = nearest else {
+            return self.fail(field.into(), "the mesh has no surface");
+        };
+        self.require_on_mesh(field, position, distances[nearest])?;
+        let parts = smooth(&self.mesh.nodes, &faces);
+        let mut with_nearest = parts.into_iter().filter(|part| part.contains(&nearest));
+        let part = with_nearest.next().unwrap_or_default();
+        Ok(part.into_iter().map(|face| faces[face].clone()).collect())
+    }
+
+    /// Refuses a position that is farther `away` from the mesh than its size.
+    fn require_on_mesh(&self, field: &str, position: Vector3<f64>, away: f64) -> Result<(), Error> {
+        let size = self.size();
+        if away > size {
+            return self.fail(
+                field.into(),
+                format!(
+                    "what is nearest to {:?} m is {away:.3e} m away, more than the size of the mesh, {size:.3e} m; give a position on \
+                     the mesh, and check its unit",
+                    position.as_slice()
+                ),
+            );
         }
         Ok(())
     }
@@ -498,18 +538,7 @@ impl File<'_> {
                 let Some(&nearest) = nearest else {
                     return self.fail(field.into(), "the mesh has no surface");
                 };
-                let away = distance(&&nearest);
-                let size = self.size();
-                if away > size {
-                    return self.fail(
-                        format!("{field}.nearest"),
-                        format!(
-                            "the node nearest to {:?} m is {away:.3e} m away, more than the size of the mesh, {size:.3e} m; give a position on \
-                             the mesh, and check its unit",
-                            position.as_slice()
-                        ),
-                    );
-                }
+                self.require_on_mesh(&format!("{field}.nearest"), position, distance(&&nearest))?;
                 nearest
             }
             (None, Some(node), None, Some(_)) => self.named_node("structure.mesh.response.node", node)?,

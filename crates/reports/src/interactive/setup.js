@@ -161,7 +161,7 @@ function showSetup(host, { facts, shape: raw }) {
     form,
     `${mesh}.supports`,
     held.map(([kind, name]) => ({ entry: { [kind]: name }, used: false, text: kind === "surface" ? name : `${name} (group of nodes)` })),
-    (a, b) => a.surface === b.surface && a.points === b.points,
+    (a, b) => a.surface === b.surface && a.points === b.points && JSON.stringify(a.face) === JSON.stringify(b.face),
     (row) => [element("div", { class: "controls", role: "group", "aria-label": "Directions that are held" }, ...["x", "y", "z"].map((name, c) => tick(`hold ${name}`, (row.entry.components ?? [true, true, true])[c], (value) => {
       row.entry.components = (row.entry.components ?? [true, true, true]).map((old, k) => (k === c ? value : old));
       supports.write();
@@ -233,6 +233,9 @@ function showSetup(host, { facts, shape: raw }) {
     const surface = shape.surfaces[Number(key)];
     picked(key === "" ? {} : { surface, point: surface.centre });
   });
+  const isPoint = (x) => Array.isArray(x) && x.length === 3 && x.every((v) => typeof v === "number");
+  /** The smooth surface that an entry holds by a position on it. */
+  const heldSurface = ({ face }) => (isPoint(face) ? shape.surfaces[shape.patches[shape.faceNear(shape.patches.keys(), face)]] : undefined);
   const nameFor = (surface) => shape.named.filter(({ faces }) => Array.from(surface.faces).some((one) => faces.has(one))).sort((a, b) => a.faces.size - b.faces.size)[0];
   function picked({ bolt, surface, point }) {
     pick = bolt !== undefined ? { row: bolts.all.filter((row) => row.entry.axis !== undefined)[bolt] } : surface === undefined ? null : { surface, node: shape.nearest(surface.nodes, point) };
@@ -264,20 +267,20 @@ function showSetup(host, { facts, shape: raw }) {
     const point = shape.at(node);
     const rows = [...surface.pairs].map((pair) => interfaces.all[pair]);
     const named = nameFor(surface);
-    const support = supports.all.find((row) => row.entry.surface === named?.name && named !== undefined);
+    const support = supports.all.find((row) => (row.entry.surface === named?.name && named !== undefined) || heldSurface(row.entry) === surface);
+    const holdHere = () => supports.add({ entry: { face: shape.middle(shape.faceNear(surface.faces, point)) }, used: true, text: `the face at (${textOf(point)})` });
     // A bolt clamps what its axis meets, and what lies on that without a gap.
     const depth = 0.02 * lengthOf(minus(...boxOf(shape.positions)));
     pickButtons.replaceChildren(
       ...rows.filter((row) => row.reason === undefined).map((row) => then(`${row.used ? "No interface" : "Interface"}: ${row.entry.name}`, () => interfaces.set(row, !row.used))),
-      ...(support === undefined ? [] : [then(`${support.used ? "Do not hold" : "Hold"} ${support.text}`, () => supports.set(support, !support.used))]),
+      ...(support === undefined ? [then("Hold this face", holdHere)] : [then(`${support.used ? "Do not hold" : "Hold"} ${support.text}`, () => supports.set(support, !support.used))]),
       then("Response here", () => respond({ nearest: point, direction: surface.normal })),
       then("Force here", () => force(node, surface.normal)),
       ...(surface.flat ? [then("Bolt through here", () => addBolt([point, point.map((v, c) => Number((v - depth * surface.normal[c]).toPrecision(6)))]))] : []),
     );
     const lacks = [
       rows.length === 0 ? "It touches no other body, so that it is no interface." : `It is part of ${rows.map((row) => row.entry.name).join(", ")}.`,
-      support === undefined ? "No surface of the mesh has its name, and a scene holds named surfaces or groups of nodes: to hold it, name it in the program that makes the mesh." : "",
-    ].filter((text) => text !== "");
+    ];
     pickText.textContent = `${told}${faceText(surface)}. Nearest node: ${shape.labels[node]}, at (${textOf(point)}). ${lacks.join(" ")}`.trim();
   }
 
@@ -300,7 +303,7 @@ function showSetup(host, { facts, shape: raw }) {
     form.section("Bolts", `${mesh}.bolts`, bolts.host, button("Add a bolt", () => addBolt([["", "", ""], ["", "", ""]]))),
     form.section("Bolt load", "bolts", form.field("bolts.load", "Tension of each bolt", { needed: form.at("bolts.torque") === undefined && form.at("bolts.loads") === undefined, such: "10 kN" }), form.field("bolts.behaviour", "Behaviour")),
     form.section("Material", "model", ...[["youngs_modulus", "Young's modulus", "200 GPa"], ["poisson_ratio", "Poisson ratio", "0.3"], ["density", "Density", "7850 kg/m^3"]].map(([name, label, such]) => form.field(`model.material.${name}`, label, { needed: true, such }))),
-    form.section("Supports", `${mesh}.supports`, supports.host, element("p", { class: "hint" }, held.length === 0 ? "The mesh names no surface and no group of nodes that could be held; the structure is free." : "Nothing holds the structure but what is ticked.")),
+    form.section("Supports", `${mesh}.supports`, supports.host, element("p", { class: "hint" }, "Nothing holds the structure but what is ticked. A face without a name is held by picking it in the picture.")),
     form.section("Response", `${mesh}.response`, responseKind, responseFields),
     form.section("Analyses", "analyses", form.field("analyses.modes.followed", "Modes followed", { such: "1, 3" }), ...[["amplitudes", "Number of amplitudes"], ["amplitude_from", "Smallest amplitude"], ["amplitude_to", "Largest amplitude"]].map(([name, label]) => form.field(`analyses.backbone.${name}`, label)), forceTick, forceFields),
   );
@@ -317,7 +320,6 @@ function showSetup(host, { facts, shape: raw }) {
   function marks() {
     const response = form.at(`${mesh}.response`) ?? {};
     const load = form.at(forced) ?? {};
-    const isPoint = (x) => Array.isArray(x) && x.length === 3 && x.every((v) => typeof v === "number");
     const arrow = (node, direction, colour, into) => ({ at: shape.at(node), direction: direction.map((v) => v / lengthOf(direction)), colour, into, body: shape.nodeBody[node] });
     const arrows = [];
     const node = (label) => shape.labels.indexOf(Number(label));
@@ -332,7 +334,10 @@ function showSetup(host, { facts, shape: raw }) {
     const axes = bolts.all.filter((row) => row.entry.axis !== undefined);
     return {
       interfaces: new Set(pairRows.map((row, pair) => (row.used ? pair : -1))),
-      supports: new Set(shape.named.filter(({ name }) => names.includes(name)).flatMap(({ faces }) => Array.from(faces))),
+      supports: new Set([
+        ...shape.named.filter(({ name }) => names.includes(name)).flatMap(({ faces }) => Array.from(faces)),
+        ...supports.all.filter((row) => row.used).flatMap((row) => Array.from(heldSurface(row.entry)?.faces ?? [])),
+      ]),
       bolts: axes.map(({ entry: { axis }, radius, used }) => ({ axis: axis.every(isPoint) ? axis : [[0, 0, 0], [0, 0, 0]], radius: 0.9 * (radius ?? 0.01 * lengthOf(boxOf(shape.positions)[1])), used })),
       arrows,
     };
