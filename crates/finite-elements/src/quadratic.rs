@@ -61,11 +61,15 @@ impl Quadratic {
             .iter()
             .map(|tie| middles.tie(tie))
             .collect::<Result<_, _>>()?;
+        let mut outside = None;
         for coupling in &mut raised.couplings {
             check_cloud(coupling, &mesh.nodes)?;
             match &coupling.kind {
                 CouplingKind::Kinematic(_) => coupling.nodes.extend(middles.between(&coupling.nodes)),
-                CouplingKind::Distributing(weights) => *coupling = middles.distributing(assembly, coupling, weights),
+                CouplingKind::Distributing(weights) => {
+                    let faces = outside.get_or_insert_with(|| by_least_corner(assembly.mesh.boundary()));
+                    *coupling = middles.distributing(assembly, faces, coupling, weights);
+                }
             }
         }
         for component in 0..3 {
@@ -123,6 +127,17 @@ impl ElementType {
         let mut rows = super::elements::ELEMENT_TYPES.into_iter();
         rows.find(is_quadratic).filter(|_| self.middles.is_empty())
     }
+}
+
+/// Faces by the smallest number of their corners.
+fn by_least_corner(faces: Vec<Face>) -> BTreeMap<u32, Vec<Face>> {
+    let mut found: BTreeMap<u32, Vec<Face>> = BTreeMap::new();
+    for face in faces {
+        if let Some(&least) = face.corners().iter().min() {
+            found.entry(least).or_default().push(face);
+        }
+    }
+    found
 }
 
 /// The nodes in the middle of edges.
@@ -200,24 +215,29 @@ impl Middles {
     /// A corner's weight is divided among its faces by their areas, and within each between the two edges that meet there. For
     /// weights that are areas this gives the areas of the quadratic faces ([`QUAD8`](crate::elements::QUAD8),
     /// [`TRI6`](crate::elements::TRI6)).
-    fn distributing(&self, assembly: &Assembly, coupling: &Coupling, weights: &[f64]) -> Coupling {
+    fn distributing(
+        &self,
+        assembly: &Assembly,
+        outside: &BTreeMap<u32, Vec<Face>>,
+        coupling: &Coupling,
+        weights: &[f64],
+    ) -> Coupling {
         let mesh = &assembly.mesh;
         let mut of_node: BTreeMap<u32, f64> = BTreeMap::new();
         for (&node, weight) in coupling.nodes.iter().zip(weights) {
             *of_node.entry(node).or_default() += weight;
         }
-        let mut faces: BTreeMap<Vec<u32>, (Face, usize)> = BTreeMap::new();
-        for face in mesh.elements.iter().flat_map(|element| element.cell.faces()) {
+        let mut faces: BTreeMap<Vec<u32>, &Face> = BTreeMap::new();
+        for face in of_node.keys().filter_map(|node| outside.get(node)).flatten() {
             if face.corners().iter().all(|corner| of_node.contains_key(corner)) {
                 let mut key = face.corners().to_vec();
                 key.sort_unstable();
-                faces.entry(key).or_insert((face, 0)).1 += 1;
+                faces.insert(key, face);
             }
         }
-        // Faces inside of a body belong to two elements.
-        let outside = faces.values().filter(|(_, elements)| *elements == 1);
-        let shares: Vec<(&Face, Vec<(usize, f64)>)> = outside
-            .map(|(face, _)| {
+        let shares: Vec<(&Face, Vec<(usize, f64)>)> = faces
+            .into_values()
+            .map(|face| {
                 let at = face
                     .corners()
                     .iter()

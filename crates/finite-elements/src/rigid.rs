@@ -59,7 +59,7 @@ impl Assembly {
                 held.insert(&motions, &terms);
             }
         }
-        Ok(motions.count - held.basis.len())
+        Ok(motions.count - held.number())
     }
 }
 
@@ -127,46 +127,64 @@ impl Motions {
 
 /// The motions that constraints hold.
 struct Held {
-    /// Orthonormal.
-    basis: Vec<DVector<f64>>,
+    /// Of constraints that act on the same motions, those that are independent of one another: most are on two bodies, and few of them independent.
+    groups: BTreeMap<Vec<usize>, Vec<DVector<f64>>>,
     count: usize,
 }
 
 impl Held {
     fn new(count: usize) -> Self {
         Self {
-            basis: Vec::new(),
+            groups: BTreeMap::new(),
             count,
         }
     }
 
     /// `sum coefficient * component = 0` for all rigid motions.
     fn insert(&mut self, motions: &Motions, terms: &[(usize, f64)]) {
-        if self.basis.len() == self.count {
-            return;
-        }
-        let mut row = DVector::zeros(self.count);
+        let mut row: BTreeMap<usize, f64> = BTreeMap::new();
         let mut scale = 0.0_f64;
         for &(full, coefficient) in terms {
             for &(motion, value) in &motions.of[full] {
-                row[motion] += coefficient * value;
+                *row.entry(motion).or_default() += coefficient * value;
                 scale = scale.max((coefficient * value).abs());
             }
         }
-        if !(scale > 0.0) {
-            return;
+        if scale > 0.0 {
+            let (on, values): (Vec<usize>, Vec<f64>) = row.into_iter().unzip();
+            let basis = self.groups.entry(on).or_default();
+            extend(basis, DVector::from_vec(values) / scale);
         }
-        row /= scale;
-        // Once more for what round-off leaves.
-        for _ in 0..2 {
-            for held in &self.basis {
-                let part = held.dot(&row);
-                row.axpy(-part, held, 1.0);
+    }
+
+    /// How many.
+    fn number(&self) -> usize {
+        let mut basis = Vec::new();
+        for (on, rows) in &self.groups {
+            for row in rows.iter().take(self.count - basis.len()) {
+                let mut whole = DVector::zeros(self.count);
+                on.iter().zip(row).for_each(|(&motion, value)| whole[motion] = *value);
+                extend(&mut basis, whole);
             }
         }
-        let left = row.norm();
-        if left > INDEPENDENT {
-            self.basis.push(row / left);
+        basis.len()
+    }
+}
+
+/// Adds what is left of a row to an orthonormal basis, if the basis has not got it.
+fn extend(basis: &mut Vec<DVector<f64>>, mut row: DVector<f64>) {
+    if basis.len() == row.len() {
+        return;
+    }
+    // Once more for what round-off leaves.
+    for _ in 0..2 {
+        for held in &*basis {
+            let part = held.dot(&row);
+            row.axpy(-part, held, 1.0);
         }
+    }
+    let left = row.norm();
+    if left > INDEPENDENT {
+        basis.push(row / left);
     }
 }
