@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import concurrent.futures
 import json
 import multiprocessing
@@ -328,7 +329,7 @@ def test_pictures_for_papers_have_the_names_of_the_program(quick_run: microslip.
     assert float(areas @ cells.get_array()) == pytest.approx(total, rel=1e-12)
     for number, figure in enumerate((one, two, flux)):
         figure.savefig(tmp_path / f"{number}.pdf")
-    for kind, match in (("bands", "no bands"), ("modes", "microslip plot DIR --kind modes")):
+    for kind, match in (("bands", "no bands"), ("modes", "path of a folder"), ("trade", "path of a folder"), ("speed", "no kind 'speed'")):
         with pytest.raises(microslip.InputError, match=match):
             microslip.plot(run, kind=kind)
     with pytest.raises(microslip.InputError, match="a map shows one run"):
@@ -338,6 +339,49 @@ def test_pictures_for_papers_have_the_names_of_the_program(quick_run: microslip.
     run.save(tmp_path / "run")
     with pytest.raises(microslip.InputError, match="output.fields_at"):
         microslip.plot(microslip.load(tmp_path / "run"), kind="flux")
+
+
+def test_shapes_and_errors_are_drawn_from_their_folders(quick_run: microslip.Run, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    rungs = [
+        {"dial": "mesh", "seconds": 1.0, "errors": {"linear_frequency": 0.01, "frequency_shift": [0.002, None], "damping_ln": [0.1, -0.2]}},
+        {"dial": "mesh", "seconds": 3.0, "errors": {"linear_frequency": 0.004, "frequency_shift": [-0.001], "damping_ln": [None]}},
+        {"dial": "radii", "seconds": None, "errors": None},
+    ]
+    (tmp_path / "trade.json").write_text(json.dumps({"rungs": rungs}))
+    above, below = microslip.plot(tmp_path, kind="trade").axes
+    assert [line.get_ydata().tolist() for line in above.lines] == [[0.012, 0.004]]
+    assert below.lines[0].get_ydata()[0] == 0.2 and np.isnan(below.lines[0].get_ydata()[1])
+
+    # Two hexahedra upon one another: ten outer faces of twelve, and a third of them that moves.
+    corners = np.array([[x, y, z] for z in (0.0, 1.0, 2.0) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], dtype=float)
+    shape = np.where(corners[:, 2:] == 2.0, [[0.0, 0.0, 3.0]], 0.0)
+    cells = {"connectivity": np.r_[0:8, 4:12].astype("<i8"), "offsets": np.array([8, 16], "<i8"), "types": np.array([12, 12], "u1")}
+
+    def array(name: str, kind: str, values: np.ndarray, columns: int = 1) -> str:
+        raw = values.tobytes()
+        text = base64.b64encode(np.array([len(raw)], "<u8").tobytes() + raw).decode()
+        return f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{columns}" format="binary">{text}</DataArray>'
+
+    arrays = array("stuck 01 [1/sqrt(kg)]", "Float64", shape, 3) + array("Points", "Float64", corners, 3)
+    arrays += "".join(array(name, "UInt8" if name == "types" else "Int64", values) for name, values in cells.items())
+    (tmp_path / "modes.vtu").write_text(f"<VTKFile>{arrays}</VTKFile>")
+    modes = {"axes": np.eye(3).tolist(), "contacts": [{"contact": "stuck", "modes": [{"number": 1, "frequency_hz": 12.3}]}]}
+    (tmp_path / "summary.json").write_text(json.dumps({"modes": modes}))
+    figure = microslip.plot(str(tmp_path), kind="modes")
+    (axes,) = figure.axes
+    (drawn,) = axes.collections
+    assert axes.get_title() == "1. 12.3 Hz" and len(drawn.get_paths()) == 10
+    assert sorted(drawn.get_array())[-5:] == pytest.approx([1.5, 1.5, 1.5, 1.5, 3.0])
+    figure.savefig(tmp_path / "modes.pdf")
+    for kind in ("modes", "trade"):
+        with pytest.raises(microslip.InputError, match="cannot be read"):
+            microslip.plot(tmp_path / "nowhere", kind=kind)
+    (tmp_path / "summary.json").write_text("{}")
+    with pytest.raises(microslip.InputError, match="there are no mode shapes"):
+        microslip.plot(tmp_path, kind="modes")
+    with pytest.raises(microslip.InputError, match="give a Run"):
+        microslip.plot(tmp_path)
 
 
 def test_what_is_missing_is_asked_for(beam_run: microslip.Run, monkeypatch: pytest.MonkeyPatch) -> None:

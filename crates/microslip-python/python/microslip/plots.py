@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -65,20 +67,20 @@ def backbones(run: Run, amplitude: str) -> Figure:
 
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#8c8c8c")
 _DASHES = ("-", "--", ":", "-.")
-_KINDS = ("backbone", "flux", "bands")
+_KINDS = ("backbone", "flux", "bands", "modes", "trade")
 
 
-def plot(runs: Run | Sequence[Run], kind: str = "backbone") -> Figure:
+def plot(runs: Run | Sequence[Run] | str | os.PathLike[str], kind: str = "backbone") -> Figure:
     """Draws runs for a paper, by the names of the program ``microslip plot``: 85 mm wide, texts of 8 pt.
 
     Parameters
     ----------
-    runs : Run or sequence of Run
-        What is drawn. Maps are of one run.
-    kind : {"backbone", "flux", "bands"}
+    runs : Run, sequence of Run, or path
+        What is drawn. Maps are of one run; mode shapes and errors against time are of a folder that the program has written.
+    kind : {"backbone", "flux", "bands", "modes", "trade"}
         Frequency and damping of the first mode followed against amplitude; dissipation over the interface at the largest amplitude whose fields
-        are stored; or bands, from uncertain inputs or else of an ensemble. Mode shapes and errors against time are drawn by the program alone,
-        from their folders.
+        are stored; bands, from uncertain inputs or else of an ensemble; mode shapes, from the folder of ``microslip model SCENE --modes N``;
+        or errors of settings against time, from that of ``cargo xtask trade SCENE``.
 
     Returns
     -------
@@ -90,7 +92,7 @@ def plot(runs: Run | Sequence[Run], kind: str = "backbone") -> Figure:
     ImportError
         matplotlib is not installed.
     InputError
-        There is no such kind, or a run has not what it shows.
+        There is no such kind, or a run or a folder has not what it shows.
 
     Examples
     --------
@@ -101,10 +103,15 @@ def plot(runs: Run | Sequence[Run], kind: str = "backbone") -> Figure:
     85
     """
     if kind not in _KINDS:
-        remedy = f"it must be one of {', '.join(_KINDS)}; the program draws more: microslip plot DIR --kind {kind}"
+        remedy = f"it must be one of {', '.join(_KINDS)}"
         raise InputError(f"there is no kind {kind!r} of picture here; {remedy}", field="kind", value=kind, remedy=remedy)
-    all_runs = [runs] if isinstance(runs, Run) else list(runs)
-    if not all_runs:
+    of_folder = kind in ("modes", "trade")
+    if of_folder != isinstance(runs, (str, os.PathLike)):
+        remedy = "give the path of a folder" if of_folder else "give a Run; microslip.load(DIR) reads one"
+        raise InputError(f"kind {kind!r} does not show what was given; {remedy}", field="runs", value=str(runs), remedy=remedy)
+    folder = Path(runs) if isinstance(runs, (str, os.PathLike)) else None
+    all_runs = [runs] if isinstance(runs, Run) else [] if isinstance(runs, (str, os.PathLike)) else list(runs)
+    if folder is None and not all_runs:
         raise InputError("there is no run to draw; give one at least", field="runs", value=0, remedy="give one at least")
     from microslip._figure import picture
 
@@ -112,6 +119,10 @@ def plot(runs: Run | Sequence[Run], kind: str = "backbone") -> Figure:
     from matplotlib.ticker import EngFormatter, PercentFormatter  # isort: skip
 
     with rc_context({"font.size": 8.0}):
+        if folder is not None:
+            from microslip import _folders
+
+            return (_folders.modes if kind == "modes" else _folders.trade)(folder, 85.0 / 25.4)
         if kind == "flux":
             return _flux(all_runs)
         figure = picture(85.0 / 25.4, 90.0 / 25.4)
