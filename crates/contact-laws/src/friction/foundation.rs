@@ -517,7 +517,7 @@ impl<C: ContactCurves> FoundationLaw<C> {
                 room.changes = [room.no_change; 3];
                 changes.end_at(*d_u, &room.no_change);
             }
-            let u_0 = [0, 1, 2].map(|c| states.begin(c));
+            let step = room.motion.begin(u, [0, 1, 2].map(|c| states.begin(c)));
             for spring in 0..self.n_springs {
                 let at = spring * self.ratios.len() + first;
                 let (gap, stiffness) = (&self.gaps[at..][..m], &self.stiffnesses[at..][..m]);
@@ -525,8 +525,7 @@ impl<C: ContactCurves> FoundationLaw<C> {
                 let memory = [c, c + 1].map(|c| states.begin(c));
                 let mut acts = Acts::default();
                 run(Classify {
-                    u,
-                    u_0,
+                    step,
                     memory,
                     unlimited,
                     gap,
@@ -537,8 +536,7 @@ impl<C: ContactCurves> FoundationLaw<C> {
                     let [d_x, d_y, d_n, d_memory_x, d_memory_y] = [0, 1, 2, c, c + 1].map(|c| changes.begin(c));
                     run(Change {
                         acts,
-                        u,
-                        u_0,
+                        step,
                         memory,
                         d_u: *d_u,
                         d_u_0: [d_x, d_y, d_n],
@@ -554,8 +552,7 @@ impl<C: ContactCurves> FoundationLaw<C> {
                 }
                 run(Springs {
                     acts,
-                    u,
-                    u_0,
+                    step,
                     memory,
                     unlimited,
                     with_tangent: tangent.is_some(),
@@ -628,7 +625,7 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
             self.begin_block(first, Sticking::Coulomb, m, &mut room);
             let u = part(&jump, &block);
             let begin_at = |c: usize| &begin.component(c, n)[block.clone()];
-            let u_0 = [0, 1, 2].map(begin_at);
+            let step = room.motion.begin(u, [0, 1, 2].map(begin_at));
             let of_spring = |spring: usize| {
                 let at = spring * self.ratios.len() + first;
                 let c = N_JUMP + 2 * spring;
@@ -637,8 +634,7 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
             for (spring, acts) in acts.iter_mut().enumerate() {
                 let (gap, _, c) = of_spring(spring);
                 run(Classify {
-                    u,
-                    u_0,
+                    step,
                     memory: [c, c + 1].map(begin_at),
                     unlimited: false,
                     gap,
@@ -661,8 +657,7 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
                     run(Transposed {
                         acts,
                         way,
-                        u,
-                        u_0,
+                        step,
                         memory: [c, c + 1].map(begin_at),
                         gap,
                         stiffness,
@@ -749,7 +744,7 @@ impl Answer {
 /// The answer of a spring that neither slips nor closes: as [`answer`], without its divisions and its root.
 #[inline(always)]
 fn resting([w, w_0]: [f64; 2], du: [f64; 2], memory: [f64; 2]) -> Answer {
-    let w = [bounded(w), bounded(w_0)];
+    let w = [w, w_0];
     let closed = w[0] > 0.0;
     let left = if closed { 1.0 } else { 0.0 };
     Answer {
@@ -766,7 +761,6 @@ fn resting([w, w_0]: [f64; 2], du: [f64; 2], memory: [f64; 2]) -> Answer {
 /// The answer of a spring to a step.
 #[inline(always)]
 fn answer([w, w_0]: [f64; 2], du: [f64; 2], memory: [f64; 2], reach: f64, unlimited: bool) -> Answer {
-    let [w, w_0] = [bounded(w), bounded(w_0)];
     let closed = w > 0.0;
     let reclosed = closed & (w_0 < 0.0);
     let share = if reclosed { w / (w - w_0) } else { 1.0 };
@@ -797,6 +791,34 @@ struct Room<const B: usize> {
     no_change: Lanes<f64, B>,
     sums: Sums<B>,
     changes: [Lanes<f64, B>; 3],
+    motion: Motion<B>,
+}
+
+/// The numbers of a [`Step`].
+struct Motion<const B: usize> {
+    du: [Lanes<f64, B>; 2],
+    u_n: [Lanes<f64, B>; 2],
+}
+
+impl<const B: usize> Motion<B> {
+    /// That of a block from the jumps now and before.
+    fn begin(&mut self, u: [&[f64]; 3], u_0: [&[f64]; 3]) -> Step<'_> {
+        let m = u[0].len();
+        for (q, du) in self.du.iter_mut().enumerate() {
+            for ((du, u), u_0) in du.0.iter_mut().zip(u[q]).zip(u_0[q]) {
+                *du = bounded(u - u_0);
+            }
+        }
+        for (u_n, values) in self.u_n.iter_mut().zip([u[2], u_0[2]]) {
+            for (u_n, value) in u_n.0.iter_mut().zip(values) {
+                *u_n = bounded(*value);
+            }
+        }
+        Step {
+            du: self.du.each_ref().map(|du| &du.0[..m]),
+            u_n: self.u_n.each_ref().map(|u_n| &u_n.0[..m]),
+        }
+    }
 }
 
 impl<const B: usize> Room<B> {
@@ -808,6 +830,10 @@ impl<const B: usize> Room<B> {
             no_change: zero,
             sums: Sums::filled(zero),
             changes: [zero; 3],
+            motion: Motion {
+                du: [zero; 2],
+                u_n: [zero; 2],
+            },
         }
     }
 }
@@ -839,10 +865,29 @@ struct Acts {
     moves: bool,
 }
 
+/// The step of a block of points, in numbers of which products are finite.
+#[derive(Clone, Copy)]
+struct Step<'a> {
+    /// Motion along x and y.
+    du: [&'a [f64]; 2],
+    /// Interference now and before.
+    u_n: [&'a [f64]; 2],
+}
+
+impl Step<'_> {
+    /// That of the first `m` points.
+    #[inline(always)]
+    fn first(self, m: usize) -> Self {
+        Self {
+            du: self.du.map(|values| &values[..m]),
+            u_n: self.u_n.map(|values| &values[..m]),
+        }
+    }
+}
+
 /// Finds what a spring does. Divisions and roots are most of the cost, and springs that neither slip nor close need none.
 struct Classify<'a, const B: usize> {
-    u: [&'a [f64]; 3],
-    u_0: [&'a [f64]; 3],
+    step: Step<'a>,
     memory: [&'a [f64]; 2],
     unlimited: bool,
     gap: &'a [f64],
@@ -854,20 +899,28 @@ impl<const B: usize> Pass for Classify<'_, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let m = self.gap.len().min(B);
-        let ([u_x, u_y, u_n], [x_0, y_0, n_0]) = (self.u.map(|u| &u[..m]), self.u_0.map(|u| &u[..m]));
+        let Step {
+            du: [du_x, du_y],
+            u_n: [u_n, n_0],
+        } = self.step.first(m);
         let ([memory_x, memory_y], gap) = (self.memory.map(|of| &of[..m]), &self.gap[..m]);
-        let (mut closed_points, mut moving_points) = (0_u64, 0_u64);
+        let mut closed_points = 0_u64;
         for i in 0..m {
-            let w = [bounded(u_n[i] - gap[i]), bounded(n_0[i] - gap[i])];
-            let du = [bounded(u_x[i] - x_0[i]), bounded(u_y[i] - y_0[i])];
-            let x = [bounded(memory_x[i] + du[0]), bounded(memory_y[i] + du[1])];
-            let closed = w[0] > 0.0;
+            closed_points += u64::from(u_n[i] > gap[i]);
+        }
+        if closed_points == 0 {
+            *self.acts = Acts::default();
+            return;
+        }
+        let mut moving_points = 0_u64;
+        for i in 0..m {
+            let w = [u_n[i] - gap[i], n_0[i] - gap[i]];
+            let x = [bounded(memory_x[i] + du_x[i]), bounded(memory_y[i] + du_y[i])];
             let moves = (w[1] < 0.0) | !holds(w[0], x, self.reach.0[i], self.unlimited);
-            closed_points += u64::from(closed);
-            moving_points += u64::from(closed & moves);
+            moving_points += u64::from((w[0] > 0.0) & moves);
         }
         *self.acts = Acts {
-            closes: closed_points > 0,
+            closes: true,
             moves: moving_points > 0,
         };
     }
@@ -883,8 +936,7 @@ fn holds(w: f64, [x, y]: [f64; 2], reach: f64, unlimited: bool) -> bool {
 /// One spring at the points of a block.
 struct Springs<'a, const B: usize> {
     acts: Acts,
-    u: [&'a [f64]; 3],
-    u_0: [&'a [f64]; 3],
+    step: Step<'a>,
     memory: [&'a [f64]; 2],
     unlimited: bool,
     with_tangent: bool,
@@ -901,8 +953,10 @@ impl<const B: usize> Pass for Springs<'_, B> {
     fn run<const FMA: bool>(self) {
         let Self {
             acts,
-            u: [u_x, u_y, u_n],
-            u_0: [x_0, y_0, n_0],
+            step: Step {
+                du: [du_x, du_y],
+                u_n: [u_n, n_0],
+            },
             memory: [memory_x, memory_y],
             unlimited,
             with_tangent,
@@ -930,8 +984,8 @@ impl<const B: usize> Pass for Springs<'_, B> {
         macro_rules! springs {
             ($tangent:literal, $moves:literal) => {
                 springs::<$tangent, $moves, B>(
-                    u_x, u_y, u_n, x_0, y_0, n_0, memory_x, memory_y, unlimited, gap, stiffness, reach, fill, end_x,
-                    end_y, t_x, t_y, t_n, xx, xy, xn, yx, yy, yn, nn, regimes,
+                    du_x, du_y, u_n, n_0, memory_x, memory_y, unlimited, gap, stiffness, reach, fill, end_x, end_y,
+                    t_x, t_y, t_n, xx, xy, xn, yx, yy, yn, nn, regimes,
                 )
             };
         }
@@ -947,11 +1001,9 @@ impl<const B: usize> Pass for Springs<'_, B> {
 /// [`Springs`], whether some move or not; every array is an argument of its own, which alone tells the compiler that they do not overlap.
 #[inline(always)]
 fn springs<const TANGENT: bool, const MOVES: bool, const B: usize>(
-    u_x: &[f64],
-    u_y: &[f64],
+    du_x: &[f64],
+    du_y: &[f64],
     u_n: &[f64],
-    x_0: &[f64],
-    y_0: &[f64],
     n_0: &[f64],
     memory_x: &[f64],
     memory_y: &[f64],
@@ -974,15 +1026,14 @@ fn springs<const TANGENT: bool, const MOVES: bool, const B: usize>(
     nn: &mut Lanes<f64, B>,
     regimes: &mut Lanes<u64, B>,
 ) {
-    let m = u_x.len().min(B);
-    let (u_x, u_y, u_n) = (&u_x[..m], &u_y[..m], &u_n[..m]);
-    let (x_0, y_0, n_0) = (&x_0[..m], &y_0[..m], &n_0[..m]);
+    let m = du_x.len().min(B);
+    let (du_x, du_y, u_n, n_0) = (&du_x[..m], &du_y[..m], &u_n[..m], &n_0[..m]);
     let (memory_x, memory_y) = (&memory_x[..m], &memory_y[..m]);
     let (gap, stiffness) = (&gap[..m], &stiffness[..m]);
     let (end_x, end_y) = (&mut end_x[..m], &mut end_y[..m]);
     for i in 0..m {
         let gap = gap[i];
-        let du = [bounded(u_x[i] - x_0[i]), bounded(u_y[i] - y_0[i])];
+        let du = [du_x[i], du_y[i]];
         let (w, memory) = ([u_n[i] - gap, n_0[i] - gap], [memory_x[i], memory_y[i]]);
         let found = match MOVES {
             true => answer(w, du, memory, reach.0[i], unlimited),
@@ -1020,8 +1071,7 @@ fn springs<const TANGENT: bool, const MOVES: bool, const B: usize>(
 /// What one spring changes along a direction.
 struct Change<'a, const B: usize> {
     acts: Acts,
-    u: [&'a [f64]; 3],
-    u_0: [&'a [f64]; 3],
+    step: Step<'a>,
     memory: [&'a [f64]; 2],
     d_u: [&'a [f64]; 3],
     d_u_0: [&'a [f64]; 3],
@@ -1054,8 +1104,7 @@ impl<const B: usize> Change<'_, B> {
     #[inline(always)]
     fn of<const MOVES: bool>(self) {
         let Self {
-            u,
-            u_0,
+            step,
             memory,
             d_u,
             d_u_0,
@@ -1064,10 +1113,10 @@ impl<const B: usize> Change<'_, B> {
         } = self;
         let [end_x, end_y] = self.end;
         let [t_x, t_y, t_n] = self.traction;
-        for i in 0..u[0].len().min(B) {
+        for i in 0..self.gap.len().min(B) {
             let gap = self.gap[i];
-            let du = [0, 1].map(|q| bounded(u[q][i] - u_0[q][i]));
-            let (w, memory) = ([u[2][i] - gap, u_0[2][i] - gap], [memory[0][i], memory[1][i]]);
+            let (du, w) = (step.du.map(|du| du[i]), step.u_n.map(|u_n| u_n[i] - gap));
+            let memory = [memory[0][i], memory[1][i]];
             let found = match MOVES {
                 true => answer(w, du, memory, self.reach.0[i], self.unlimited),
                 false => resting(w, du, memory),
@@ -1095,8 +1144,7 @@ impl<const B: usize> Change<'_, B> {
 struct Transposed<'a, const B: usize> {
     acts: Acts,
     way: WayBack,
-    u: [&'a [f64]; 3],
-    u_0: [&'a [f64]; 3],
+    step: Step<'a>,
     memory: [&'a [f64]; 2],
     gap: &'a [f64],
     stiffness: &'a [f64],
@@ -1116,8 +1164,10 @@ impl<const B: usize> Pass for Transposed<'_, B> {
         let Self {
             acts,
             way,
-            u: [u_x, u_y, u_n],
-            u_0: [x_0, y_0, n_0],
+            step: Step {
+                du: [du_x, du_y],
+                u_n: [u_n, n_0],
+            },
             memory: [memory_x, memory_y],
             gap,
             stiffness,
@@ -1130,7 +1180,7 @@ impl<const B: usize> Pass for Transposed<'_, B> {
         macro_rules! back {
             ($moves:literal, $keeps:literal) => {
                 back::<$moves, $keeps, B>(
-                    way, u_x, u_y, u_n, x_0, y_0, n_0, memory_x, memory_y, gap, stiffness, ratio, reach, t_x, t_y, t_n,
+                    way, du_x, du_y, u_n, n_0, memory_x, memory_y, gap, stiffness, ratio, reach, t_x, t_y, t_n,
                     history_x, history_y, along_x, along_y, of_n, of_begin_n,
                 )
             };
@@ -1154,11 +1204,9 @@ impl<const B: usize> Pass for Transposed<'_, B> {
 #[inline(always)]
 fn back<const MOVES: bool, const KEEPS: bool, const B: usize>(
     way: WayBack,
-    u_x: &[f64],
-    u_y: &[f64],
+    du_x: &[f64],
+    du_y: &[f64],
     u_n: &[f64],
-    x_0: &[f64],
-    y_0: &[f64],
     n_0: &[f64],
     memory_x: &[f64],
     memory_y: &[f64],
@@ -1176,16 +1224,15 @@ fn back<const MOVES: bool, const KEEPS: bool, const B: usize>(
     of_n: &mut Lanes<f64, B>,
     of_begin_n: &mut Lanes<f64, B>,
 ) {
-    let m = u_x.len().min(B);
-    let (u_x, u_y, u_n) = (&u_x[..m], &u_y[..m], &u_n[..m]);
-    let (x_0, y_0, n_0) = (&x_0[..m], &y_0[..m], &n_0[..m]);
+    let m = du_x.len().min(B);
+    let (du_x, du_y, u_n, n_0) = (&du_x[..m], &du_y[..m], &u_n[..m], &n_0[..m]);
     let (memory_x, memory_y) = (&memory_x[..m], &memory_y[..m]);
     let (gap, stiffness, ratio) = (&gap[..m], &stiffness[..m], &ratio[..m]);
     let (t_x, t_y, t_n) = (&t_x[..m], &t_y[..m], &t_n[..m]);
     let (history_x, history_y) = (&mut history_x[..m], &mut history_y[..m]);
     for i in 0..m {
         let gap = gap[i];
-        let du = [bounded(u_x[i] - x_0[i]), bounded(u_y[i] - y_0[i])];
+        let du = [du_x[i], du_y[i]];
         let (w, memory) = ([u_n[i] - gap, n_0[i] - gap], [memory_x[i], memory_y[i]]);
         let found = match MOVES {
             true => answer(w, du, memory, reach.0[i], false),
