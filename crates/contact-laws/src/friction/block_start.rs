@@ -100,18 +100,61 @@ fn start<const B: usize>(
     }
 }
 
-/// NaN where a value is no finite number.
-struct SpreadNan<'a, const B: usize>(&'a [f64], &'a mut Lanes<f64, B>);
+/// NaN where a value of some rows is no finite number.
+struct SpreadNan<'a, const B: usize> {
+    /// From the first point of the first row on.
+    rows: &'a [f64],
+    stride: usize,
+    n_rows: usize,
+    /// Points.
+    m: usize,
+    fill: &'a mut Lanes<f64, B>,
+}
 
 impl<const B: usize> Pass for SpreadNan<'_, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let Self(values, fill) = self;
-        let n = values.len().min(B);
-        let values = &values[..n];
-        for i in 0..n {
-            fill.0[i] += 0.0 * values[i];
+        const WIDTH: usize = 8;
+        let Self {
+            rows,
+            stride,
+            n_rows,
+            m,
+            fill,
+        } = self;
+        let (wide, rest) = fill.0[..m.min(B)].as_chunks_mut::<WIDTH>();
+        for (place, fill) in wide.iter_mut().enumerate() {
+            spread(rows, stride, n_rows, WIDTH * place, fill);
         }
+        let first = WIDTH * wide.len();
+        for (place, fill) in rest.iter_mut().enumerate() {
+            spread(rows, stride, n_rows, first + place, core::array::from_mut(fill));
+        }
+    }
+}
+
+/// The same for `W` points from one on, with as many sums as a processor adds up beside one another.
+#[inline(always)]
+fn spread<const W: usize>(rows: &[f64], stride: usize, n_rows: usize, first: usize, fill: &mut [f64; W]) {
+    const SUMS: usize = 4;
+    let mut sums = [[0.0; W]; SUMS];
+    let mut add = |sum: usize, row: usize| {
+        let values = &rows[row * stride + first..][..W];
+        for (sum, value) in sums[sum].iter_mut().zip(values) {
+            *sum += 0.0 * value;
+        }
+    };
+    let whole = n_rows - n_rows % SUMS;
+    for row in (0..whole).step_by(SUMS) {
+        for sum in 0..SUMS {
+            add(sum, row + sum);
+        }
+    }
+    for row in whole..n_rows {
+        add(0, row);
+    }
+    for (k, fill) in fill.iter_mut().enumerate() {
+        *fill += (sums[0][k] + sums[1][k]) + (sums[2][k] + sums[3][k]);
     }
 }
 
@@ -154,12 +197,19 @@ impl<'a> Rows<'a> {
     /// Zero, or NaN where a number of the jump or of the begin state is not finite.
     pub(crate) fn spread_nan<const B: usize>(&self, jump: [&[f64]; 3], n_state: usize) -> Lanes<f64, B> {
         let mut fill = Lanes([0.0; B]);
-        for values in jump
-            .into_iter()
-            .chain((0..n_state).map(|component| self.begin(component)))
-        {
-            run(SpreadNan(values, &mut fill));
+        for values in jump {
+            for (fill, value) in fill.0.iter_mut().zip(values) {
+                *fill += 0.0 * value;
+            }
         }
+        let StateView { data, stride, offset } = self.begin;
+        run(SpreadNan {
+            rows: &data[offset + self.block.start..],
+            stride,
+            n_rows: n_state,
+            m: self.block.len(),
+            fill: &mut fill,
+        });
         fill
     }
 
