@@ -372,7 +372,7 @@ impl File<'_> {
     /// The smooth part of the outer surface with the face whose middle is nearest to a position.
     fn smooth_surface(&self, field: &str, position: [Length; 3]) -> Result<Vec<Face>, Error> {
         let position = Vector3::from(position.map(Length::si));
-        let faces: Vec<Face> = self.boundary().iter().map(|(face, _)| face.clone()).collect();
+        let faces: Vec<Face> = self.boundary().iter().map(|(face, _)| *face).collect();
         let away = |face: &Face| {
             let corners = face.corners();
             let sum: Vector3<f64> = corners.iter().map(|&node| self.at(node)).sum();
@@ -387,7 +387,7 @@ impl File<'_> {
         let parts = smooth(&self.mesh.nodes, &faces);
         let mut with_nearest = parts.into_iter().filter(|part| part.contains(&nearest));
         let part = with_nearest.next().unwrap_or_default();
-        Ok(part.into_iter().map(|face| faces[face].clone()).collect())
+        Ok(part.into_iter().map(|face| faces[face]).collect())
     }
 
     /// Refuses a position that is farther `away` from the mesh than its size.
