@@ -1,5 +1,6 @@
 //! Stationary random vibration of a scene's structure about its static state, from the backbones of the modes followed.
 
+use super::connections::Connection;
 use super::linearised::{Base, Drive, Linearised, flow, whole};
 use super::mode_backbone::ModeAnalysis;
 use super::vibration::{Start, VibrationAnalysis};
@@ -112,10 +113,23 @@ pub struct RandomVibration {
     pub power: Vec<f64>,
     /// Root of the mean square of the largest sliding anywhere (m).
     pub rms_sliding: f64,
+    /// What each connection does, in the order of the run's.
+    pub connections: Vec<RandomConnection>,
     /// Whether what is assumed holds.
     pub validity: RandomValidity,
     /// A motion in time under such a load, where it is asked for, or why there is none.
     pub in_time: Option<Result<InTime, String>>,
+}
+
+/// A connection in stationary random vibration: motion and force are those along the direction of its loops.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RandomConnection {
+    /// Root of the mean square of its motion (m).
+    pub displacement: f64,
+    /// Root of the mean square of its tangential force (N).
+    pub force: f64,
+    /// Mean power that friction takes in it (W).
+    pub power: f64,
 }
 
 /// A mode in stationary random vibration.
@@ -265,6 +279,8 @@ struct Followed {
     motion: Vec<f64>,
     /// Square of the largest sliding over that of the amplitude (1/kg).
     sliding: Vec<f64>,
+    /// Of each connection, over the square of the amplitude: squares of motion (1/kg) and force (N^2/(kg m^2)), and power (W/(kg m^2)).
+    connections: Vec<[Vec<f64>; 3]>,
     load: f64,
     response: f64,
 }
@@ -279,6 +295,7 @@ impl Followed {
         let background = of.background;
         let mut points: Vec<[f64; 3]> = Vec::new();
         let (mut power, mut sliding, mut motion) = (Vec::<Vec<f64>>::new(), Vec::new(), Vec::new());
+        let mut connections: Vec<[Vec<f64>; 3]> = Vec::new();
         for amplitude in &of.amplitudes {
             let (Ok(result), Some(fields)) = (&amplitude.point.result, &amplitude.fields) else {
                 continue;
@@ -300,6 +317,13 @@ impl Followed {
                 [] => vec![rate * fields.dissipation],
                 joints => joints.iter().map(|joint| rate * joint.dissipation).collect(),
             });
+            connections.resize(fields.connections.len(), Default::default());
+            for (into, found) in connections.iter_mut().zip(&fields.connections) {
+                let [displacement, force] = [found.displacement, found.force].map(|half| (half / a).powi(2));
+                for (into, value) in into.iter_mut().zip([displacement, force, rate * found.dissipation]) {
+                    into.push(value);
+                }
+            }
             sliding.push((fields.largest_sliding / a).powi(2));
             motion.push((fields.response_motion / a).powi(2));
         }
@@ -321,6 +345,7 @@ impl Followed {
                 .map(|joint| power.iter().map(|of| of[joint]).collect())
                 .collect(),
             sliding,
+            connections,
             motion,
             load: along(&drive.row),
             response: along(about.response),
@@ -390,6 +415,8 @@ impl Vibrating {
         let mut oscillators = Vec::new();
         let mut power = vec![0.0; self.followed.first().map_or(0, |of| of.power.len())];
         let mut sliding = 0.0;
+        // Mean squares of motion and force, and power.
+        let mut connections = vec![[0.0; 3]; self.followed.first().map_or(0, |of| of.connections.len())];
         for of in &self.followed {
             let equivalent = of.curve.stationary(load(of.load), &spectrum);
             let square = equivalent.sigma * equivalent.sigma;
@@ -397,6 +424,11 @@ impl Vibrating {
                 *sum += 2.0 * square * of.curve.mean(values, equivalent.white);
             }
             sliding += square * of.curve.mean(&of.sliding, equivalent.white);
+            for (sums, values) in connections.iter_mut().zip(&of.connections) {
+                for ((sum, values), times) in sums.iter_mut().zip(values).zip([1.0, 1.0, 2.0]) {
+                    *sum += times * square * of.curve.mean(values, equivalent.white);
+                }
+            }
             let response = of.curve.mean(&of.motion, equivalent.white).sqrt().copysign(of.response);
             modes.push(RandomMode {
                 mode: of.mode + 1,
@@ -445,6 +477,14 @@ impl Vibrating {
             densities: transfer.densities(&spectrum),
             power,
             rms_sliding: sliding.sqrt(),
+            connections: connections
+                .into_iter()
+                .map(|[displacement, force, power]| RandomConnection {
+                    displacement: displacement.sqrt(),
+                    force: force.sqrt(),
+                    power,
+                })
+                .collect(),
             validity: self.validity(&modes, &spectrum),
             in_time: None,
             modes,
@@ -593,6 +633,9 @@ pub struct RandomSummary {
     pub joints: Vec<RandomJointSummary>,
     /// Root mean square of the largest tangential motion anywhere on the interfaces (m).
     pub rms_sliding: f64,
+    /// Connections, by the names of the run's `connections`; left out where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub connections: Vec<RandomConnectionSummary>,
     /// One-sided densities of the response.
     pub psd: DensitySummary,
     /// Whether what is assumed holds.
@@ -635,6 +678,22 @@ pub struct RandomJointSummary {
     pub dissipated_power: f64,
 }
 
+/// A connection in stationary random vibration; other modes than those followed are not in it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RandomConnectionSummary {
+    /// Its name.
+    pub name: String,
+    /// Root mean square of its mean tangential motion, along the direction of its loops (m).
+    pub rms_displacement: f64,
+    /// Root mean square of its tangential force (N).
+    pub rms_force: f64,
+    /// The same over its area (Pa).
+    pub rms_traction: f64,
+    /// Mean power that friction takes in it (W).
+    pub dissipated_power: f64,
+}
+
 /// One-sided power spectral densities of the motion of the response point, at frequencies that are closer near resonances.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -649,7 +708,13 @@ pub struct DensitySummary {
 
 impl RandomSummary {
     /// `names` are those of the interfaces, `area` is that of all (m^2).
-    pub(crate) fn of(of: &RandomVibration, load_unit: &str, names: &[String], area: f64) -> Self {
+    pub(crate) fn of(
+        of: &RandomVibration,
+        load_unit: &str,
+        names: &[String],
+        area: f64,
+        connections: &[Connection],
+    ) -> Self {
         let mode = |mode: &RandomMode| RandomModeSummary {
             mode: mode.mode,
             follows_backbone: mode.follows_backbone,
@@ -690,6 +755,17 @@ impl RandomSummary {
                 Vec::new()
             },
             rms_sliding: of.rms_sliding,
+            connections: connections
+                .iter()
+                .zip(&of.connections)
+                .map(|(connection, found)| RandomConnectionSummary {
+                    name: connection.name.clone(),
+                    rms_displacement: found.displacement,
+                    rms_force: found.force,
+                    rms_traction: found.force / connection.area,
+                    dissipated_power: found.power,
+                })
+                .collect(),
             psd: DensitySummary {
                 frequency_hz: of.densities.iter().map(|(f, _)| *f).collect(),
                 displacement: density(|squares| squares.displacement),

@@ -210,16 +210,46 @@ fn section(summary: &Summary, picture: Option<String>) -> Section {
             .collect(),
         tables: match levels {
             [] => Vec::new(),
-            _ => vec![(
-                String::new(),
-                Table {
+            _ => {
+                let all = Table {
                     headings: headings.map(Into::into).into(),
                     rows: levels.iter().map(row).collect(),
-                },
-            )],
+                };
+                let connections = connections(levels);
+                let has_connections = !connections.rows.is_empty();
+                let named = has_connections.then(|| ("Connections, root mean squares".into(), connections));
+                std::iter::once((String::new(), all)).chain(named).collect()
+            }
         },
         remarks: vec!["Frequency and damping ratio are those of the linear mode that stands for the first mode followed at this level.".into()],
         ..Section::default()
+    }
+}
+
+/// What the connections do at the highest level.
+fn connections(levels: &[RandomSummary]) -> Table {
+    let highest = levels.iter().max_by(|a, b| a.level.total_cmp(&b.level));
+    let rows = highest.into_iter().flat_map(|level| {
+        level.connections.iter().map(|of| {
+            vec![
+                of.name.clone(),
+                format!("{:.3e}", of.rms_displacement),
+                format!("{:.3e}", of.rms_force),
+                format!("{:.3e}", of.rms_traction),
+                format!("{:.3e}", of.dissipated_power),
+            ]
+        })
+    });
+    let headings = [
+        "connection, at the highest level",
+        "motion [m]",
+        "force [N]",
+        "traction [Pa]",
+        "dissipated power [W]",
+    ];
+    Table {
+        headings: headings.map(Into::into).into(),
+        rows: rows.collect(),
     }
 }
 

@@ -594,7 +594,7 @@ fn random(run: &Run) -> Vec<RandomSummary> {
     let unit = asked.load_unit();
     levels
         .iter()
-        .map(|level| RandomSummary::of(level, unit, &names, area))
+        .map(|level| RandomSummary::of(level, unit, &names, area, &run.connections))
         .collect()
 }
 

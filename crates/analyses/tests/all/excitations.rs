@@ -208,6 +208,17 @@ fn a_clamped_structure_follows_its_base_at_low_frequencies_and_swings_as_a_rando
     let share = large.dissipated_power / (mode(large).power - background);
     println!("{share:.4} {:e} {:?}", large.rms_response, large.validity);
     assert!((share - 1.0).abs() < 0.05, "{share}");
+    // All of it is in the connections, which move less than their farthest points.
+    let [connection] = large.connections.as_slice() else {
+        panic!("{:?}", large.connections)
+    };
+    assert!((connection.dissipated_power / large.dissipated_power - 1.0).abs() < 1e-9);
+    assert!(connection.rms_displacement > 0.0 && connection.rms_displacement <= large.rms_sliding);
+    // Where nothing slips, force and motion are those of a small loop.
+    let small = &document.random[1].connections[0];
+    let loops = &document.backbone[0].connections[0];
+    let stiffness = (small.rms_force / small.rms_displacement) / (loops.force / loops.displacement);
+    assert!((stiffness - 1.0).abs() < 1e-3, "{stiffness}");
     std::fs::remove_dir_all(folder).unwrap();
 }
 

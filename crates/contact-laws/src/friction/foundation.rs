@@ -743,8 +743,7 @@ impl Answer {
 
 /// The answer of a spring that neither slips nor closes: as [`answer`], without its divisions and its root.
 #[inline(always)]
-fn resting([w, w_0]: [f64; 2], du: [f64; 2], memory: [f64; 2]) -> Answer {
-    let w = [w, w_0];
+fn resting(w: [f64; 2], du: [f64; 2], memory: [f64; 2]) -> Answer {
     let closed = w[0] > 0.0;
     let left = if closed { 1.0 } else { 0.0 };
     Answer {
