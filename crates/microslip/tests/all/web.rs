@@ -453,6 +453,14 @@ fn setup_says_what_is_missing_and_keeps_to_its_folder() {
         );
         let run = server.send("run", &json!({ "scene": elsewhere.to_string(), "replace": true }));
         assert_eq!(run["complete"], false, "{run}");
+        let mut elsewhere = given.clone();
+        elsewhere["analyses"]["backbone"]["measured"] = json!([path]);
+        let found = check(&elsewhere);
+        assert_eq!(found["errors"][0]["field"], "analyses.backbone.measured", "{found}");
+        assert!(
+            found["errors"][0]["message"].as_str().unwrap().contains(remedy),
+            "{found}"
+        );
     }
     // A file that somebody else has written stays, unless its reader says otherwise.
     let before = std::fs::read(inside.join("scene.json")).unwrap();
@@ -463,7 +471,13 @@ fn setup_says_what_is_missing_and_keeps_to_its_folder() {
     let saved = json!({ "saved": "scene.json" });
     assert_eq!(save("{ \"a\": 1 }", true), saved);
     assert_eq!(save("{}", false), saved);
-    assert_eq!(std::fs::read_to_string(inside.join("scene.json")).unwrap(), "{}");
+    let kept = || std::fs::read_to_string(inside.join("scene.json")).unwrap();
+    assert_eq!(kept().trim(), "{}");
+    // What stays keeps its comments, whoever has written them.
+    let text = "{\n  // Of steel.\n  \"a\": 1, // one\n  \"b\": 2\n}\n";
+    std::fs::write(inside.join("scene.json"), text).unwrap();
+    assert_eq!(save("{ \"a\": 1, \"b\": 3 }", true), saved);
+    assert_eq!(kept(), text.replace('2', "3"));
     std::fs::write(inside.join("scene.json"), "of somebody else").unwrap();
     assert_eq!(save("{}", false), json!({ "exists": "scene.json" }));
     assert_eq!(std::fs::read_to_string(folder.join("secret")).unwrap(), "hidden");

@@ -184,6 +184,8 @@ impl Checker {
         }
         let record = scene.analyses.shock.as_ref().and_then(|shock| shock.record.as_ref());
         named.extend(record.map(|record| ("analyses.shock.record", &*record.path)));
+        let measured = scene.analyses.backbone.measured.iter();
+        named.extend(measured.map(|path| ("analyses.backbone.measured", &**path)));
         for (field, path) in named {
             let fault = |message: String| Fault {
                 field: Some(field.to_owned()),
@@ -199,6 +201,7 @@ impl Checker {
             let kind = match field {
                 "structure.mesh.path" => file_io::input::Kind::Mesh,
                 "analyses.shock.record" => file_io::input::Kind::Record,
+                "analyses.backbone.measured" => file_io::input::Kind::Table,
                 _ => file_io::input::Kind::Scan,
             };
             file_io::input::check(path, kind).map_err(|error| fault(with_causes(&error)))?;
