@@ -6,7 +6,7 @@
 use super::adaptation::{Adaptation, AdaptationStep};
 use super::ensemble::loops_alone;
 use super::error_bar::ErrorBar;
-use super::prepared::{Prepared, mesh, prepare};
+use super::prepared::{Prepared, check_inputs, mesh, prepare};
 use super::run::Run;
 use super::walks;
 use crate::Error;
@@ -42,6 +42,7 @@ pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<
 
 /// Runs a scene with settings that are adapted to a target.
 fn adapted(scene: &Scene, target: &Target, options: &Options, progress: &dyn Progress) -> Result<Run, Error> {
+    check_inputs(scene)?;
     let mut scene = scene.clone();
     // The scene of the results has the settings that were chosen.
     scene.accuracy = None;

@@ -73,8 +73,7 @@ pub(super) fn prepare_on(
     progress: &dyn Progress,
 ) -> Result<(Structure, Prepared), Error> {
     scene.validate(&scene.name)?;
-    scene.analyses.shock.as_ref().map_or(Ok(()), shock::check)?;
-    measured(scene)?;
+    check_inputs(scene)?;
     let structure = mesh(scene, progress)?;
     let prepared = Prepared::try_new(scene, &structure, options, progress)?;
     Ok((structure, prepared))
@@ -95,6 +94,12 @@ pub(super) fn mesh(scene: &Scene, progress: &dyn Progress) -> Result<Structure, 
     }
     costs::expect(scene, &structure, progress);
     Ok(structure)
+}
+
+/// Refuses files beside the structure that cannot be used, before any time is spent.
+pub(super) fn check_inputs(scene: &Scene) -> Result<(), Error> {
+    scene.analyses.shock.as_ref().map_or(Ok(()), shock::check)?;
+    measured(scene).map(drop)
 }
 
 /// The measured backbones of a scene, over displacement.

@@ -455,16 +455,15 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 let (adjoints, into) = (&mut adjoints, &mut by_parameter);
                 force.transposed(&u, begin, way, adjoints, forces, parameters, workspace, to_u, into);
             };
-            if vertex.is_committed {
-                back(WayBack::JumpAlone, &[], &[], &mut by_displacement);
+            match vertex.is_committed {
+                true => back(WayBack::JumpAlone, &[], &[], &mut by_displacement),
+                false => by_displacement.iter_mut().for_each(|values| values.fill(0.0)),
             }
             let mut solves = TransposedSolves::new(equilibrium.stuck, pattern, &tangent);
             let mut forces = Vec::with_capacity(GOALS);
             for (goal, history) in by_displacement.iter().enumerate() {
                 let mut right: Vec<f64> = path.unit.force.iter().map(|unit| weight[goal] * unit).collect();
-                if vertex.is_committed {
-                    right.iter_mut().zip(history).for_each(|(r, own)| *r += own);
-                }
+                right.iter_mut().zip(history).for_each(|(r, own)| *r += own);
                 let found = match solves.solve(&right, TOLERANCE) {
                     Some(found) => found.v,
                     None => {

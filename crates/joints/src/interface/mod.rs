@@ -587,7 +587,11 @@ pub fn uniform_closure(interface: &Interface, load: f64) -> Result<f64, Error> {
         }
     }
     let (mut below, mut above) = (carried_low - load, carried_high - load);
-    let mut best = (high, above);
+    let mut best = if below.abs() <= above.abs() {
+        (low, below)
+    } else {
+        (high, above)
+    };
     // Whether the upper end moved last.
     let mut moved = None;
     for step in 1.. {
@@ -596,7 +600,8 @@ pub fn uniform_closure(interface: &Interface, load: f64) -> Result<f64, Error> {
             0 => 0.5 * (low + high),
             _ => low - below * (high - low) / (above - below),
         };
-        if middle <= low || middle >= high {
+        // Also where the secant has no slope.
+        if !(low < middle && middle < high) {
             break;
         }
         let excess = carried(middle) - load;

@@ -58,9 +58,12 @@ def _arrays(path: Path, remedy: str) -> dict[str, npt.NDArray[Any]]:
     return found
 
 
-def _outer_faces(arrays: dict[str, npt.NDArray[Any]]) -> list[_Numbers]:
+def _outer_faces(arrays: dict[str, npt.NDArray[Any]], path: Path) -> list[_Numbers]:
     """Faces of one cell only, by their number of corners."""
     ends, kinds, nodes = arrays["offsets"], arrays["types"], arrays["connectivity"]
+    unknown = sorted(set(np.unique(kinds).tolist()) - set(_FACES))
+    if unknown:
+        raise _refused(path, f"it has cells of the VTK types {unknown}, whose faces are not known here", "draw it by the program")
     all_faces: dict[int, list[_Numbers]] = {3: [], 4: []}
     for kind, faces in _FACES.items():
         first = np.concatenate([[0], ends[:-1]])[kinds == kind].astype(np.int64)
@@ -94,7 +97,7 @@ def modes(folder: Path, width: float) -> Figure:
     turned = np.array([[np.cos(around), -np.sin(around), 0.0], [np.sin(around), np.cos(around), 0.0], [0.0, 0.0, 1.0]])
     tilted = np.array([[1.0, 0.0, 0.0], [0.0, np.sin(above), np.cos(above)], [0.0, -np.cos(above), np.sin(above)]])
     view = tilted @ turned
-    faces = _outer_faces(arrays)
+    faces = _outer_faces(arrays, folder / "modes.vtu")
     shapes = contact["modes"]
     columns = min(2, len(shapes))
     rows = -(-len(shapes) // columns)

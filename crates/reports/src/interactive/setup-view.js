@@ -29,11 +29,18 @@ function readShape({ named, ...shape }) {
   const positions = arrayOf(Float32Array, shape.positions);
   const raw = (node) => Array.from(positions.subarray(3 * node, 3 * node + 3));
   const surfaces = [];
-  const corners = [];
-  owners.forEach((face, i) => {
-    corners[face] = new Set([...(corners[face] ?? []), ...triangles.subarray(3 * i, 3 * i + 3)]);
-  });
-  const middles = corners.map((nodes) => [...nodes].map(raw).reduce((sum, x) => sum.map((v, c) => v + x[c] / nodes.size), [0, 0, 0]));
+  let found = null;
+  /** Middles of the faces, once something asks for them. */
+  function middles() {
+    if (found === null) {
+      const corners = [];
+      owners.forEach((face, i) => {
+        corners[face] = new Set([...(corners[face] ?? []), ...triangles.subarray(3 * i, 3 * i + 3)]);
+      });
+      found = corners.map((nodes) => [...nodes].map(raw).reduce((sum, x) => sum.map((v, c) => v + x[c] / nodes.size), [0, 0, 0]));
+    }
+    return found;
+  }
   owners.forEach((face, i) => {
     const [a, b, c] = [0, 1, 2].map((k) => raw(triangles[3 * i + k]));
     const normal = cross(minus(b, a), minus(c, a)).map((v) => v / 2);
@@ -71,9 +78,19 @@ function readShape({ named, ...shape }) {
     /** Position of a node in the digits that single precision has. */
     at: (node) => raw(node).map((v) => Number(v.toPrecision(7))),
     /** Of some faces the one whose middle is nearest to a point. */
-    faceNear: (faces, point) => [...faces].reduce((best, face) => (best >= 0 && lengthOf(minus(middles[best], point)) <= lengthOf(minus(middles[face], point)) ? best : face), -1),
+    faceNear(faces, point) {
+      const away = (face) => lengthOf(minus(middles()[face], point));
+      let [best, least] = [-1, Infinity];
+      for (const face of faces) {
+        const distance = away(face);
+        if (distance < least) {
+          [best, least] = [face, distance];
+        }
+      }
+      return best;
+    },
     /** Middle of a face in the digits that single precision has. */
-    middle: (face) => middles[face].map((v) => Number(v.toPrecision(7))),
+    middle: (face) => middles()[face].map((v) => Number(v.toPrecision(7))),
     edges: numbers("edges"),
     labels: shape.labels,
     named: named.map(([name, faces]) => ({ name, faces: new Set(arrayOf(Uint32Array, faces)) })),
