@@ -37,10 +37,10 @@ const RECOVERING: (f64, f64) = (0.8, 1.2e-3);
 const LOOPS_OF_MESH: f64 = 2.0;
 
 /// Per number of the reduced matrix: of a periodic motion on one thread, and of a step in time.
-const MOVING: [f64; 2] = [7.5e-7, 4e-9];
+const MOVING: [f64; 2] = [7.5e-7, 2e-9];
 
 /// Periodic motions of a level of a forced response.
-const MOTIONS_OF_LEVEL: f64 = 24.0;
+const MOTIONS_OF_LEVEL: f64 = 20.0;
 
 /// A method beside the backbone, relative to it.
 const METHOD: f64 = 0.15;

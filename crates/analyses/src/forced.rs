@@ -18,7 +18,7 @@ use joints::progress::Stage;
 use joints::store::checkpoint::{Checkpoint, Checkpoints};
 use scenes::Forced;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// Periods that histories are followed for at first; more where they do not repeat.
 const PERIODS: usize = 2;
@@ -95,9 +95,9 @@ impl VibrationAnalysis for Forced {
                 },
                 _ => Held::Force(level),
             };
+            let mut way = Way::new(about, range);
             let mut curve = forced::follow(about.line, about.force, &load, held, &solver, &mut |point| {
-                let way = (point.omega - range[0]) / (range[1] - range[0]);
-                done(share * way.clamp(0.0, 1.0));
+                done(share * way.at(point));
                 flow(progress)
             })?;
             let mut finder = Finder::try_new(about.line, about.force, &load, held, &solver)?;
@@ -152,6 +152,45 @@ impl VibrationAnalysis for Forced {
         progress.end(Stage::Forced);
         let (_, checkpoints) = checkpoint.complete();
         Ok((responses, checkpoints))
+    }
+}
+
+/// How far a curve is followed: by its frequency, and by the phase, which turns by half a period at each resonance, where most points are.
+struct Way<'a> {
+    response: &'a [f64],
+    range: [f64; 2],
+    /// Linearised modes with frequencies in the range.
+    resonances: usize,
+    phase: Option<f64>,
+    /// By how much the phase has turned (rad).
+    turned: f64,
+}
+
+impl<'a> Way<'a> {
+    fn new(about: Linearised<'a>, range: [f64; 2]) -> Self {
+        let is_inside = |square: &&f64| (square.sqrt() - range[0]) * (square.sqrt() - range[1]) < 0.0;
+        Self {
+            response: about.response,
+            range,
+            resonances: about.line.eigenvalues.iter().filter(is_inside).count(),
+            phase: None,
+            turned: 0.0,
+        }
+    }
+
+    /// The part of the curve that ends at a new point, from 0 to 1.
+    fn at(&mut self, point: &forced::Point) -> f64 {
+        let along = point.displacement.along(self.response);
+        let phase = along[2].atan2(along[1]);
+        if let Some(before) = self.phase.replace(phase) {
+            let turn = (phase - before).rem_euclid(TAU);
+            self.turned += turn.min(TAU - turn);
+        }
+        let of_range = (point.omega - self.range[0]) / (self.range[1] - self.range[0]);
+        let resonances = self.resonances as f64;
+        let of_turns = (self.turned / PI).min(resonances);
+        // A resonance takes about as many points as the rest of a range.
+        (of_range.clamp(0.0, 1.0) + of_turns) / (1.0 + resonances)
     }
 }
 

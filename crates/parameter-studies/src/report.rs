@@ -269,7 +269,12 @@ fn pictures(study: &Study<'_>, drawn: &[Drawn], cases: &Cases) -> Result<Vec<Nam
     let [backbones, effects, of_frequency, of_damping, all] = PICTURES;
     let mut pictures = Vec::new();
     if !cases.parameters.is_empty() {
-        let caption = "Backbones of the cases, once for each parameter, whose value is the colour.".to_owned();
+        let mut caption = "Backbones of the cases, once for each parameter, whose value is the colour.".to_owned();
+        let stride = cases.stride();
+        if stride > 1 {
+            let all = cases.backbones.len();
+            caption += &format!(" Of {all} cases, one of {stride} is drawn, here and in the curves to turn through.");
+        }
         pictures.push((backbones, cases.backbones()?, caption));
         let numbers: Vec<usize> = drawn.iter().map(|case| case.number).collect();
         let quantities = [

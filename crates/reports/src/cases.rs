@@ -84,10 +84,15 @@ const QUANTITIES: [Quantity; 2] = [
 ];
 
 impl Cases {
+    /// Of how many cases a page shows one: of all, where they are not too many.
+    pub fn stride(&self) -> usize {
+        self.backbones.len().div_ceil(MOST_CURVES).max(1)
+    }
+
     /// As many cases as a page can show, equally spaced.
     #[must_use]
     pub fn thinned(&self) -> Self {
-        let stride = self.backbones.len().div_ceil(MOST_CURVES).max(1);
+        let stride = self.stride();
         let kept = |case: &usize| case.is_multiple_of(stride);
         let places: Vec<usize> = (0..self.backbones.len()).filter(kept).collect();
         let parameters = self.parameters.iter().map(|factor| Factor {
