@@ -4,6 +4,7 @@
 //! A run scales them by its own pace, so that their ratios are what counts.
 
 use super::error_bar::ErrorBar;
+use super::forced::OF_RESONANCE;
 use joint_model::Bodies;
 use joints::progress::{Expected, Progress, Stage};
 use joints::structure::Structure;
@@ -38,9 +39,6 @@ const LOOPS_OF_MESH: f64 = 2.0;
 
 /// Per number of the reduced matrix: of a periodic motion on one thread, and of a step in time.
 const MOVING: [f64; 2] = [7.5e-7, 2e-9];
-
-/// Periodic motions of a level of a forced response.
-const MOTIONS_OF_LEVEL: f64 = 20.0;
 
 /// A method beside the backbone, relative to it.
 const METHOD: f64 = 0.15;
@@ -98,8 +96,12 @@ pub(super) fn expect(scene: &Scene, structure: &Structure, progress: &dyn Progre
         expect(Stage::Epmc, in_part(periodic) * amplitudes as f64);
     }
     if let Some(forced) = &analyses.forced {
-        let motions = MOTIONS_OF_LEVEL * forced.levels().len() as f64;
-        expect(Stage::Forced, in_part(periodic) * motions);
+        let [from, to] = forced.range_hz();
+        let of_level = (to / from).ln().abs() / forced.frequency_step + OF_RESONANCE;
+        expect(
+            Stage::Forced,
+            in_part(periodic) * of_level * forced.levels().len() as f64,
+        );
     }
     if let Some(random) = &analyses.random {
         // Without motions in time it takes milliseconds.

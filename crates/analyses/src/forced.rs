@@ -95,7 +95,7 @@ impl VibrationAnalysis for Forced {
                 },
                 _ => Held::Force(level),
             };
-            let mut way = Way::new(about, range);
+            let mut way = Way::new(about, &solver);
             let mut curve = forced::follow(about.line, about.force, &load, held, &solver, &mut |point| {
                 done(share * way.at(point));
                 flow(progress)
@@ -155,24 +155,34 @@ impl VibrationAnalysis for Forced {
     }
 }
 
-/// How far a curve is followed: by its frequency, and by the phase, which turns by half a period at each resonance, where most points are.
+/// Points of a resonance, by experience.
+pub(super) const OF_RESONANCE: f64 = 20.0;
+
+/// How far a curve is followed: by its frequency, and by the phase, which turns by half a period at each resonance.
 struct Way<'a> {
     response: &'a [f64],
     range: [f64; 2],
-    /// Linearised modes with frequencies in the range.
-    resonances: usize,
+    /// Points for the whole range, without those of the phase.
+    of_range: f64,
+    /// By how much the resonances in the range turn the phase (rad).
+    turns: f64,
     phase: Option<f64>,
-    /// By how much the phase has turned (rad).
+    /// By how much it has turned.
     turned: f64,
 }
 
 impl<'a> Way<'a> {
-    fn new(about: Linearised<'a>, range: [f64; 2]) -> Self {
-        let is_inside = |square: &&f64| (square.sqrt() - range[0]) * (square.sqrt() - range[1]) < 0.0;
+    fn new(about: Linearised<'a>, settings: &forced::Settings) -> Self {
+        let [from, to] = settings.range;
+        let is_inside = |square: &&f64| (square.sqrt() - from) * (square.sqrt() - to) < 0.0;
+        let resonances = about.line.eigenvalues.iter().filter(is_inside).count() as f64;
+        let steps = (to / from).ln().abs() / settings.frequency_step;
         Self {
             response: about.response,
-            range,
-            resonances: about.line.eigenvalues.iter().filter(is_inside).count(),
+            range: settings.range,
+            // On its way to resonances the motion grows in as many steps at least.
+            of_range: steps.max(OF_RESONANCE * resonances).max(1.0),
+            turns: PI * resonances,
             phase: None,
             turned: 0.0,
         }
@@ -186,11 +196,10 @@ impl<'a> Way<'a> {
             let turn = (phase - before).rem_euclid(TAU);
             self.turned += turn.min(TAU - turn);
         }
-        let of_range = (point.omega - self.range[0]) / (self.range[1] - self.range[0]);
-        let resonances = self.resonances as f64;
-        let of_turns = (self.turned / PI).min(resonances);
-        // A resonance takes about as many points as the rest of a range.
-        (of_range.clamp(0.0, 1.0) + of_turns) / (1.0 + resonances)
+        let [from, to] = self.range;
+        let of_range = ((point.omega / from).ln() / (to / from).ln()).clamp(0.0, 1.0);
+        let of_phase = OF_RESONANCE / PI;
+        (self.of_range * of_range + of_phase * self.turned.min(self.turns)) / (self.of_range + of_phase * self.turns)
     }
 }
 
