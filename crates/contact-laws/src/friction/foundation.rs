@@ -109,7 +109,7 @@ use crate::parameters::{Bounds, Parameter, PointParameters};
 use crate::physics::bins::{GaussSet, MAX_BINS, between_third_and_whole, gauss_between, gauss_sets, relative_errors};
 use crate::physics::population::GapDistribution;
 use crate::simd::bounds::bounded;
-use crate::simd::elementary::max;
+use crate::simd::elementary::{max, min};
 use crate::simd::{BLOCK, Lanes, Pass, part, part_mut, run};
 use crate::transposed::{Adjoint, WayBack};
 use alloc::borrow::Cow;
@@ -120,6 +120,9 @@ use core::ops::Range;
 
 /// State components before those of the springs: the jump.
 const N_JUMP: usize = 3;
+
+/// Square of the largest stretch and of the largest limit.
+const LARGEST: f64 = 1e300;
 
 /// Intervals of the interference in which the growth of the stiffness is taken as even: up to the reach, and beyond.
 const EVEN: [usize; 2] = [4096, 512];
@@ -502,8 +505,11 @@ impl<C: ContactCurves> FoundationLaw<C> {
             let mut states = Rows::of(begin, &mut end, n, &block);
             let first = points.start + block.start;
             self.begin_block(first, sticking, m, &mut room);
-            room.fill = states.spread_nan(u, self.info.n_state());
+            // Of the stretches, the springs look.
+            let n_looked_at = if along.is_some() { self.info.n_state() } else { N_JUMP };
+            room.fill = states.spread_nan(u, n_looked_at);
             room.sums = Sums::filled(room.fill);
+            room.spoilt.0.fill(0.0);
             states.end_at(u, &room.fill);
             let mut direction = along.as_mut().map(|along| {
                 let d_u = part(&[along.d_jump.x, along.d_jump.y, along.d_jump.n], &block);
@@ -517,26 +523,28 @@ impl<C: ContactCurves> FoundationLaw<C> {
                 room.changes = [room.no_change; 3];
                 changes.end_at(*d_u, &room.no_change);
             }
-            let step = room.motion.begin(u, [0, 1, 2].map(|c| states.begin(c)));
+            room.motion.begin(u, [0, 1, 2].map(|c| states.begin(c)));
             for spring in 0..self.n_springs {
                 let at = spring * self.ratios.len() + first;
                 let (gap, stiffness) = (&self.gaps[at..][..m], &self.stiffnesses[at..][..m]);
                 let c = N_JUMP + 2 * spring;
                 let memory = [c, c + 1].map(|c| states.begin(c));
                 let mut acts = Acts::default();
-                run(Classify {
-                    step,
+                run(Springs {
                     memory,
                     unlimited,
+                    with_tangent: tangent.is_some(),
                     gap,
-                    reach: &room.reach,
+                    stiffness,
+                    end: states.end::<2>(c),
+                    room: &mut room,
                     acts: &mut acts,
                 });
                 if let Some((d_u, changes)) = &mut direction {
                     let [d_x, d_y, d_n, d_memory_x, d_memory_y] = [0, 1, 2, c, c + 1].map(|c| changes.begin(c));
                     run(Change {
                         acts,
-                        step,
+                        step: room.motion.step(m),
                         memory,
                         d_u: *d_u,
                         d_u_0: [d_x, d_y, d_n],
@@ -550,19 +558,15 @@ impl<C: ContactCurves> FoundationLaw<C> {
                         traction: &mut room.changes,
                     });
                 }
-                run(Springs {
-                    acts,
-                    step,
-                    memory,
-                    unlimited,
-                    with_tangent: tangent.is_some(),
-                    gap,
-                    stiffness,
-                    reach: &room.reach,
-                    fill: &room.fill,
-                    end: states.end::<2>(c),
-                    sums: &mut room.sums,
-                });
+            }
+            if room.spoilt.0[..m].iter().any(|spoilt| *spoilt != 0.0) {
+                room.spoil();
+                for c in 0..self.info.n_state() {
+                    let [end] = states.end::<1>(c);
+                    end.iter_mut()
+                        .zip(&room.spoilt.0)
+                        .for_each(|(end, spoilt)| *end += spoilt);
+                }
             }
             let Room {
                 sums, changes, fill, ..
@@ -588,7 +592,7 @@ impl<C: ContactCurves> FoundationLaw<C> {
                 }
             }
             let regimes = regimes.as_deref_mut().map(|regimes| &mut regimes[block.clone()]);
-            counts += of_parts(&sums.regimes, fill, m, regimes);
+            counts += of_parts(&sums.regimes(), fill, m, regimes);
         }
         counts
     }
@@ -625,7 +629,8 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
             self.begin_block(first, Sticking::Coulomb, m, &mut room);
             let u = part(&jump, &block);
             let begin_at = |c: usize| &begin.component(c, n)[block.clone()];
-            let step = room.motion.begin(u, [0, 1, 2].map(begin_at));
+            room.motion.begin(u, [0, 1, 2].map(begin_at));
+            let step = room.motion.step(m);
             let of_spring = |spring: usize| {
                 let at = spring * self.ratios.len() + first;
                 let c = N_JUMP + 2 * spring;
@@ -788,6 +793,8 @@ struct Room<const B: usize> {
     /// Zero, or NaN where any input is no number; and the same of the direction.
     fill: Lanes<f64, B>,
     no_change: Lanes<f64, B>,
+    /// Zero, or NaN where a stretch is no number.
+    spoilt: Lanes<f64, B>,
     sums: Sums<B>,
     changes: [Lanes<f64, B>; 3],
     motion: Motion<B>,
@@ -801,8 +808,7 @@ struct Motion<const B: usize> {
 
 impl<const B: usize> Motion<B> {
     /// That of a block from the jumps now and before.
-    fn begin(&mut self, u: [&[f64]; 3], u_0: [&[f64]; 3]) -> Step<'_> {
-        let m = u[0].len();
+    fn begin(&mut self, u: [&[f64]; 3], u_0: [&[f64]; 3]) {
         for (q, du) in self.du.iter_mut().enumerate() {
             for ((du, u), u_0) in du.0.iter_mut().zip(u[q]).zip(u_0[q]) {
                 *du = bounded(u - u_0);
@@ -813,6 +819,10 @@ impl<const B: usize> Motion<B> {
                 *u_n = bounded(*value);
             }
         }
+    }
+
+    /// That of the first `m` points.
+    fn step(&self, m: usize) -> Step<'_> {
         Step {
             du: self.du.each_ref().map(|du| &du.0[..m]),
             u_n: self.u_n.each_ref().map(|u_n| &u_n.0[..m]),
@@ -827,12 +837,24 @@ impl<const B: usize> Room<B> {
             reach: zero,
             fill: zero,
             no_change: zero,
+            spoilt: zero,
             sums: Sums::filled(zero),
             changes: [zero; 3],
             motion: Motion {
                 du: [zero; 2],
                 u_n: [zero; 2],
             },
+        }
+    }
+
+    /// Makes what points answer NaN where a stretch is no number.
+    fn spoil(&mut self) {
+        let Sums { traction, tangent, .. } = &mut self.sums;
+        for sum in traction.iter_mut().chain(tangent).chain([&mut self.fill]) {
+            sum.0
+                .iter_mut()
+                .zip(&self.spoilt.0)
+                .for_each(|(sum, spoilt)| *sum += spoilt);
         }
     }
 }
@@ -842,7 +864,9 @@ struct Sums<const B: usize> {
     traction: [Lanes<f64, B>; 3],
     /// Row by row.
     tangent: [Lanes<f64, B>; 9],
-    regimes: Lanes<u64, B>,
+    /// Stiffness of a spring that sticks, and of one that slips.
+    sticking: Lanes<f64, B>,
+    slipping: Lanes<f64, B>,
 }
 
 impl<const B: usize> Sums<B> {
@@ -850,8 +874,20 @@ impl<const B: usize> Sums<B> {
         Self {
             traction: [fill; 3],
             tangent: [fill; 9],
-            regimes: Lanes([0; B]),
+            sticking: Lanes([0.0; B]),
+            slipping: Lanes([0.0; B]),
         }
+    }
+
+    /// A point with a spring that sticks does so.
+    fn regimes(&self) -> Lanes<u64, B> {
+        Lanes(core::array::from_fn(|i| {
+            match (self.sticking.0[i] > 0.0, self.slipping.0[i] > 0.0) {
+                (true, _) => STICK,
+                (false, true) => SLIP,
+                (false, false) => OPEN,
+            }
+        }))
     }
 }
 
@@ -934,136 +970,225 @@ fn holds(w: f64, [x, y]: [f64; 2], reach: f64, unlimited: bool) -> bool {
 
 /// One spring at the points of a block.
 struct Springs<'a, const B: usize> {
-    acts: Acts,
-    step: Step<'a>,
     memory: [&'a [f64]; 2],
     unlimited: bool,
     with_tangent: bool,
     gap: &'a [f64],
     stiffness: &'a [f64],
-    reach: &'a Lanes<f64, B>,
-    fill: &'a Lanes<f64, B>,
     end: [&'a mut [f64]; 2],
-    sums: &'a mut Sums<B>,
+    room: &'a mut Room<B>,
+    acts: &'a mut Acts,
 }
 
 impl<const B: usize> Pass for Springs<'_, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let Self {
-            acts,
-            step: Step {
-                du: [du_x, du_y],
-                u_n: [u_n, n_0],
-            },
             memory: [memory_x, memory_y],
             unlimited,
-            with_tangent,
             gap,
             stiffness,
+            end: [end_x, end_y],
+            room,
+            acts,
+            ..
+        } = self;
+        let Room {
             reach,
             fill,
-            end: [end_x, end_y],
+            spoilt,
             sums,
-        } = self;
+            motion,
+            ..
+        } = room;
+        let Motion {
+            du: [du_x, du_y],
+            u_n: [u_n, n_0],
+        } = motion;
         let Sums {
             traction: [t_x, t_y, t_n],
             tangent: [xx, xy, xn, yx, yy, yn, _, _, nn],
-            regimes,
+            sticking,
+            slipping,
         } = sums;
-        if !acts.closes {
-            let m = stiffness.len().min(B);
-            end_x[..m].copy_from_slice(&fill.0[..m]);
-            end_y[..m].copy_from_slice(&fill.0[..m]);
-            for (regimes, stiffness) in regimes.0.iter_mut().zip(stiffness) {
-                *regimes |= if *stiffness > 0.0 { OPEN } else { 0 };
-            }
-            return;
-        }
+        let m = gap.len().min(B);
         macro_rules! springs {
-            ($tangent:literal, $moves:literal) => {
-                springs::<$tangent, $moves, B>(
-                    du_x, du_y, u_n, n_0, memory_x, memory_y, unlimited, gap, stiffness, reach, fill, end_x, end_y,
-                    t_x, t_y, t_n, xx, xy, xn, yx, yy, yn, nn, regimes,
+            ($tangent:literal, $width:ident, $range:expr) => {
+                springs::<$tangent, $width>(
+                    unlimited,
+                    of(memory_x, $range),
+                    of(memory_y, $range),
+                    of(gap, $range),
+                    of(stiffness, $range),
+                    of_mut(end_x, $range),
+                    of_mut(end_y, $range),
+                    of(&reach.0, $range),
+                    of(&fill.0, $range),
+                    of(&du_x.0, $range),
+                    of(&du_y.0, $range),
+                    of(&u_n.0, $range),
+                    of(&n_0.0, $range),
+                    of_mut(&mut spoilt.0, $range),
+                    of_mut(&mut t_x.0, $range),
+                    of_mut(&mut t_y.0, $range),
+                    of_mut(&mut t_n.0, $range),
+                    of_mut(&mut xx.0, $range),
+                    of_mut(&mut xy.0, $range),
+                    of_mut(&mut xn.0, $range),
+                    of_mut(&mut yx.0, $range),
+                    of_mut(&mut yy.0, $range),
+                    of_mut(&mut yn.0, $range),
+                    of_mut(&mut nn.0, $range),
+                    of_mut(&mut sticking.0, $range),
+                    of_mut(&mut slipping.0, $range),
+                    acts,
                 )
             };
         }
-        match (with_tangent, acts.moves) {
-            (true, true) => springs!(true, true),
-            (true, false) => springs!(true, false),
-            (false, true) => springs!(false, true),
-            (false, false) => springs!(false, false),
+        let whole = m - m % WIDTH;
+        match self.with_tangent {
+            true => {
+                springs!(true, WIDTH, 0..whole);
+                springs!(true, ONE, whole..m);
+            }
+            false => {
+                springs!(false, WIDTH, 0..whole);
+                springs!(false, ONE, whole..m);
+            }
         }
     }
 }
 
-/// [`Springs`], whether some move or not; every array is an argument of its own, which alone tells the compiler that they do not overlap.
+/// Points that are looked at together, as many as the widest register has numbers: few points move at a time, and what the others do is cheap.
+const WIDTH: usize = 8;
+
+/// The points that are left.
+const ONE: usize = 1;
+
+/// A range of points, `W` by `W`.
 #[inline(always)]
-fn springs<const TANGENT: bool, const MOVES: bool, const B: usize>(
-    du_x: &[f64],
-    du_y: &[f64],
-    u_n: &[f64],
-    n_0: &[f64],
-    memory_x: &[f64],
-    memory_y: &[f64],
+fn of<const W: usize>(all: &[f64], range: Range<usize>) -> &[[f64; W]] {
+    all[range].as_chunks().0
+}
+
+/// [`of`], to be written.
+#[inline(always)]
+fn of_mut<const W: usize>(all: &mut [f64], range: Range<usize>) -> &mut [[f64; W]] {
+    all[range].as_chunks_mut().0
+}
+
+/// [`Springs`]; every array is an argument of its own, which alone tells the compiler that they do not overlap.
+#[inline(always)]
+fn springs<const TANGENT: bool, const W: usize>(
     unlimited: bool,
-    gap: &[f64],
-    stiffness: &[f64],
-    reach: &Lanes<f64, B>,
-    fill: &Lanes<f64, B>,
-    end_x: &mut [f64],
-    end_y: &mut [f64],
-    t_x: &mut Lanes<f64, B>,
-    t_y: &mut Lanes<f64, B>,
-    t_n: &mut Lanes<f64, B>,
-    xx: &mut Lanes<f64, B>,
-    xy: &mut Lanes<f64, B>,
-    xn: &mut Lanes<f64, B>,
-    yx: &mut Lanes<f64, B>,
-    yy: &mut Lanes<f64, B>,
-    yn: &mut Lanes<f64, B>,
-    nn: &mut Lanes<f64, B>,
-    regimes: &mut Lanes<u64, B>,
+    memory_x: &[[f64; W]],
+    memory_y: &[[f64; W]],
+    gap: &[[f64; W]],
+    stiffness: &[[f64; W]],
+    end_x: &mut [[f64; W]],
+    end_y: &mut [[f64; W]],
+    reach: &[[f64; W]],
+    fill: &[[f64; W]],
+    du_x: &[[f64; W]],
+    du_y: &[[f64; W]],
+    u_n: &[[f64; W]],
+    n_0: &[[f64; W]],
+    spoilt: &mut [[f64; W]],
+    t_x: &mut [[f64; W]],
+    t_y: &mut [[f64; W]],
+    t_n: &mut [[f64; W]],
+    xx: &mut [[f64; W]],
+    xy: &mut [[f64; W]],
+    xn: &mut [[f64; W]],
+    yx: &mut [[f64; W]],
+    yy: &mut [[f64; W]],
+    yn: &mut [[f64; W]],
+    nn: &mut [[f64; W]],
+    sticking: &mut [[f64; W]],
+    slipping: &mut [[f64; W]],
+    acts: &mut Acts,
 ) {
-    let m = du_x.len().min(B);
-    let (du_x, du_y, u_n, n_0) = (&du_x[..m], &du_y[..m], &u_n[..m], &n_0[..m]);
-    let (memory_x, memory_y) = (&memory_x[..m], &memory_y[..m]);
-    let (gap, stiffness) = (&gap[..m], &stiffness[..m]);
-    let (end_x, end_y) = (&mut end_x[..m], &mut end_y[..m]);
-    for i in 0..m {
-        let gap = gap[i];
-        let du = [du_x[i], du_y[i]];
-        let (w, memory) = ([u_n[i] - gap, n_0[i] - gap], [memory_x[i], memory_y[i]]);
-        let found = match MOVES {
-            true => answer(w, du, memory, reach.0[i], unlimited),
-            false => resting(w, du, memory),
-        };
-        let kappa = stiffness[i];
-        let [x, y] = found.stretch;
-        end_x[i] = x + fill.0[i];
-        end_y[i] = y + fill.0[i];
-        t_x.0[i] += kappa * x;
-        t_y.0[i] += kappa * y;
-        let w = max(found.w[0], 0.0);
-        t_n.0[i] += kappa * w;
-        if TANGENT {
-            let [d_x, d_y] = found.direction;
-            let left = kappa * found.left;
-            let across = left * found.share;
-            xx.0[i] += across * (1.0 - d_x * d_x);
-            yy.0[i] += across * (1.0 - d_y * d_y);
-            let mixed = -across * d_x * d_y;
-            xy.0[i] += mixed;
-            yx.0[i] += mixed;
-            let rate = if MOVES { found.share_change([1.0, 0.0]) } else { 0.0 };
-            let [c_x, c_y] = found.across([bounded(rate * du[0]), bounded(rate * du[1])]);
-            xn.0[i] += kappa * (c_x + reach.0[i] * d_x);
-            yn.0[i] += kappa * (c_y + reach.0[i] * d_y);
-            nn.0[i] += if found.closed { kappa } else { 0.0 };
+    let n = gap.len();
+    let (memory_x, memory_y, stiffness) = (&memory_x[..n], &memory_y[..n], &stiffness[..n]);
+    let (end_x, end_y) = (&mut end_x[..n], &mut end_y[..n]);
+    let (reach, fill, du_x, du_y) = (&reach[..n], &fill[..n], &du_x[..n], &du_y[..n]);
+    let (u_n, n_0, spoilt) = (&u_n[..n], &n_0[..n], &mut spoilt[..n]);
+    let (t_x, t_y, t_n) = (&mut t_x[..n], &mut t_y[..n], &mut t_n[..n]);
+    let (xx, xy, xn, yx) = (&mut xx[..n], &mut xy[..n], &mut xn[..n], &mut yx[..n]);
+    let (yy, yn, nn) = (&mut yy[..n], &mut yn[..n], &mut nn[..n]);
+    let (sticking, slipping) = (&mut sticking[..n], &mut slipping[..n]);
+    for c in 0..n {
+        let zero = [0.0; W];
+        let (mut w, mut x, mut y) = (zero, zero, zero);
+        let (mut closed, mut moving) = (0_u64, 0_u64);
+        for i in 0..W {
+            w[i] = u_n[c][i] - gap[c][i];
+            x[i] = memory_x[c][i] + du_x[c][i];
+            y[i] = memory_y[c][i] + du_y[c][i];
+            spoilt[c][i] += 0.0 * x[i] + 0.0 * y[i];
+            let limit = reach[c][i] * w[i];
+            // Where a square is too small or too large to tell, the spring may move.
+            let rests = (x[i] * x[i] + y[i] * y[i] < min(limit * limit, LARGEST)) | unlimited;
+            let moves = (n_0[c][i] < gap[c][i]) | !rests;
+            closed += u64::from(w[i] > 0.0);
+            moving += u64::from((w[i] > 0.0) & moves);
         }
-        let code = if found.sticks { STICK } else { SLIP };
-        let code = if found.closed { code } else { OPEN };
-        regimes.0[i] |= if kappa > 0.0 { code } else { 0 };
+        if closed == 0 {
+            (end_x[c], end_y[c]) = (fill[c], fill[c]);
+            continue;
+        }
+        acts.closes = true;
+        if moving == 0 {
+            for i in 0..W {
+                let left = if w[i] > 0.0 { 1.0 } else { 0.0 };
+                let kappa = stiffness[c][i];
+                let (x, y) = (left * bounded(x[i]), left * bounded(y[i]));
+                end_x[c][i] = x + fill[c][i];
+                end_y[c][i] = y + fill[c][i];
+                t_x[c][i] += kappa * x;
+                t_y[c][i] += kappa * y;
+                t_n[c][i] += kappa * max(w[i], 0.0);
+                if TANGENT {
+                    xx[c][i] += left * kappa;
+                    yy[c][i] += left * kappa;
+                    nn[c][i] += left * kappa;
+                }
+                sticking[c][i] = max(sticking[c][i], left * kappa);
+            }
+            continue;
+        }
+        acts.moves = true;
+        for i in 0..W {
+            let du = [du_x[c][i], du_y[c][i]];
+            let (w, memory) = ([w[i], n_0[c][i] - gap[c][i]], [memory_x[c][i], memory_y[c][i]]);
+            let found = answer(w, du, memory, reach[c][i], unlimited);
+            let kappa = stiffness[c][i];
+            let [x, y] = found.stretch;
+            end_x[c][i] = x + fill[c][i];
+            end_y[c][i] = y + fill[c][i];
+            t_x[c][i] += kappa * x;
+            t_y[c][i] += kappa * y;
+            t_n[c][i] += kappa * max(found.w[0], 0.0);
+            if TANGENT {
+                let [d_x, d_y] = found.direction;
+                let left = kappa * found.left;
+                let across = left * found.share;
+                xx[c][i] += across * (1.0 - d_x * d_x);
+                yy[c][i] += across * (1.0 - d_y * d_y);
+                let mixed = -across * d_x * d_y;
+                xy[c][i] += mixed;
+                yx[c][i] += mixed;
+                let rate = found.share_change([1.0, 0.0]);
+                let [c_x, c_y] = found.across([bounded(rate * du[0]), bounded(rate * du[1])]);
+                xn[c][i] += kappa * (c_x + reach[c][i] * d_x);
+                yn[c][i] += kappa * (c_y + reach[c][i] * d_y);
+                nn[c][i] += if found.closed { kappa } else { 0.0 };
+            }
+            let sticks = if found.sticks { kappa } else { 0.0 };
+            let slips = if found.closed & !found.sticks { kappa } else { 0.0 };
+            sticking[c][i] = max(sticking[c][i], sticks);
+            slipping[c][i] = max(slipping[c][i], slips);
+        }
     }
 }
 
