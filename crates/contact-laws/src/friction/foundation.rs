@@ -114,7 +114,6 @@ use crate::simd::{BLOCK, Lanes, Pass, part, part_mut, run};
 use crate::transposed::{Adjoint, WayBack};
 use alloc::borrow::Cow;
 use alloc::format;
-use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -621,7 +620,6 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
         check_points(&points, self);
         let (n, jump) = (points.len(), [jump.x, jump.y, jump.n]);
         let mut room = Room::<BLOCK>::new();
-        let mut acts = vec![Acts::default(); self.n_springs];
         let mut block = 0..0;
         while block.end < n {
             block = block.end..n.min(block.end + BLOCK);
@@ -636,17 +634,6 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
                 let c = N_JUMP + 2 * spring;
                 (&self.gaps[at..][..m], &self.stiffnesses[at..][..m], c)
             };
-            for (spring, acts) in acts.iter_mut().enumerate() {
-                let (gap, _, c) = of_spring(spring);
-                run(Classify {
-                    step,
-                    memory: [c, c + 1].map(begin_at),
-                    unlimited: false,
-                    gap,
-                    reach: &room.reach,
-                    acts,
-                });
-            }
             for Adjoint {
                 history,
                 traction,
@@ -656,11 +643,10 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
                 let StateViewMut { data, stride, offset } = history;
                 let at = |c: usize| c * *stride + *offset + block.start;
                 let mut sums = [Lanes([0.0; BLOCK]); 4];
-                for (spring, &acts) in acts.iter().enumerate() {
+                for spring in 0..self.n_springs {
                     let (gap, stiffness, c) = of_spring(spring);
                     let (x, y) = data[at(c)..].split_at_mut(*stride);
                     run(Transposed {
-                        acts,
                         way,
                         step,
                         memory: [c, c + 1].map(begin_at),
@@ -771,7 +757,7 @@ fn answer([w, w_0]: [f64; 2], du: [f64; 2], memory: [f64; 2], reach: f64, unlimi
     let x = bounded(memory[0] + share * du[0]);
     let y = bounded(memory[1] + share * du[1]);
     let limit = bounded(reach * w);
-    let sticks = closed & holds(w, [x, y], reach, unlimited);
+    let sticks = closed & (unlimited | ((x * x + y * y <= limit * limit) & (limit > 0.0)));
     let length = (x * x + y * y).sqrt();
     let slips = closed & !sticks & (limit > 0.0);
     let per_length = if slips { 1.0 / length } else { 0.0 };
@@ -891,7 +877,7 @@ impl<const B: usize> Sums<B> {
     }
 }
 
-/// What a spring does at the points of a block.
+/// What a spring is found to do at the points of a block.
 #[derive(Clone, Copy, Default)]
 struct Acts {
     /// Is closed somewhere.
@@ -907,65 +893,6 @@ struct Step<'a> {
     du: [&'a [f64]; 2],
     /// Interference now and before.
     u_n: [&'a [f64]; 2],
-}
-
-impl Step<'_> {
-    /// That of the first `m` points.
-    #[inline(always)]
-    fn first(self, m: usize) -> Self {
-        Self {
-            du: self.du.map(|values| &values[..m]),
-            u_n: self.u_n.map(|values| &values[..m]),
-        }
-    }
-}
-
-/// Finds what a spring does. Divisions and roots are most of the cost, and springs that neither slip nor close need none.
-struct Classify<'a, const B: usize> {
-    step: Step<'a>,
-    memory: [&'a [f64]; 2],
-    unlimited: bool,
-    gap: &'a [f64],
-    reach: &'a Lanes<f64, B>,
-    acts: &'a mut Acts,
-}
-
-impl<const B: usize> Pass for Classify<'_, B> {
-    #[inline(always)]
-    fn run<const FMA: bool>(self) {
-        let m = self.gap.len().min(B);
-        let Step {
-            du: [du_x, du_y],
-            u_n: [u_n, n_0],
-        } = self.step.first(m);
-        let ([memory_x, memory_y], gap) = (self.memory.map(|of| &of[..m]), &self.gap[..m]);
-        let mut closed_points = 0_u64;
-        for i in 0..m {
-            closed_points += u64::from(u_n[i] > gap[i]);
-        }
-        if closed_points == 0 {
-            *self.acts = Acts::default();
-            return;
-        }
-        let mut moving_points = 0_u64;
-        for i in 0..m {
-            let w = [u_n[i] - gap[i], n_0[i] - gap[i]];
-            let x = [bounded(memory_x[i] + du_x[i]), bounded(memory_y[i] + du_y[i])];
-            let moves = (w[1] < 0.0) | !holds(w[0], x, self.reach.0[i], self.unlimited);
-            moving_points += u64::from((w[0] > 0.0) & moves);
-        }
-        *self.acts = Acts {
-            closes: true,
-            moves: moving_points > 0,
-        };
-    }
-}
-
-/// Whether a closed spring with the interference `w` sticks at the stretch `x`.
-#[inline(always)]
-fn holds(w: f64, [x, y]: [f64; 2], reach: f64, unlimited: bool) -> bool {
-    let limit = bounded(reach * w);
-    unlimited | ((x * x + y * y <= limit * limit) & (limit > 0.0))
 }
 
 /// One spring at the points of a block.
@@ -1077,6 +1004,13 @@ fn of_mut<const W: usize>(all: &mut [f64], range: Range<usize>) -> &mut [[f64; W
     all[range].as_chunks_mut().0
 }
 
+/// Whether a closed spring is seen to stick: where squares are too small or too large to tell, it may move.
+#[inline(always)]
+fn rests(w: f64, [x, y]: [f64; 2], reach: f64) -> bool {
+    let limit = reach * w;
+    x * x + y * y < min(limit * limit, LARGEST)
+}
+
 /// [`Springs`]; every array is an argument of its own, which alone tells the compiler that they do not overlap.
 #[inline(always)]
 fn springs<const TANGENT: bool, const W: usize>(
@@ -1126,9 +1060,7 @@ fn springs<const TANGENT: bool, const W: usize>(
             x[i] = memory_x[c][i] + du_x[c][i];
             y[i] = memory_y[c][i] + du_y[c][i];
             spoilt[c][i] += 0.0 * x[i] + 0.0 * y[i];
-            let limit = reach[c][i] * w[i];
-            // Where a square is too small or too large to tell, the spring may move.
-            let rests = (x[i] * x[i] + y[i] * y[i] < min(limit * limit, LARGEST)) | unlimited;
+            let rests = unlimited | rests(w[i], [x[i], y[i]], reach[c][i]);
             let moves = (n_0[c][i] < gap[c][i]) | !rests;
             closed += u64::from(w[i] > 0.0);
             moving += u64::from((w[i] > 0.0) & moves);
@@ -1266,7 +1198,6 @@ impl<const B: usize> Change<'_, B> {
 
 /// One spring on the way back through a step: the transpose of [`Change`].
 struct Transposed<'a, const B: usize> {
-    acts: Acts,
     way: WayBack,
     step: Step<'a>,
     memory: [&'a [f64]; 2],
@@ -1286,7 +1217,6 @@ impl<const B: usize> Pass for Transposed<'_, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let Self {
-            acts,
             way,
             step: Step {
                 du: [du_x, du_y],
@@ -1302,86 +1232,138 @@ impl<const B: usize> Pass for Transposed<'_, B> {
             sums: [along_x, along_y, of_n, of_begin_n],
         } = self;
         macro_rules! back {
-            ($moves:literal, $keeps:literal) => {
-                back::<$moves, $keeps, B>(
-                    way, du_x, du_y, u_n, n_0, memory_x, memory_y, gap, stiffness, ratio, reach, t_x, t_y, t_n,
-                    history_x, history_y, along_x, along_y, of_n, of_begin_n,
+            ($way:ident, $width:ident, $range:expr) => {
+                back::<$width>(
+                    // Known where the loop is compiled.
+                    WayBack::$way,
+                    of(du_x, $range),
+                    of(du_y, $range),
+                    of(u_n, $range),
+                    of(n_0, $range),
+                    of(memory_x, $range),
+                    of(memory_y, $range),
+                    of(gap, $range),
+                    of(stiffness, $range),
+                    of(ratio, $range),
+                    of(&reach.0, $range),
+                    of(t_x, $range),
+                    of(t_y, $range),
+                    of(t_n, $range),
+                    of_mut(history_x, $range),
+                    of_mut(history_y, $range),
+                    of_mut(&mut along_x.0, $range),
+                    of_mut(&mut along_y.0, $range),
+                    of_mut(&mut of_n.0, $range),
+                    of_mut(&mut of_begin_n.0, $range),
                 )
             };
         }
-        match (acts.closes, acts.moves, way == WayBack::JumpAlone) {
-            (true, true, true) => back!(true, true),
-            (true, true, false) => back!(true, false),
-            (true, false, true) => back!(false, true),
-            (true, false, false) => back!(false, false),
-            (false, ..) => {
-                for value in history_x.iter_mut().chain(history_y) {
-                    *value = way.before(*value, 0.0);
-                }
+        let m = gap.len().min(B);
+        let whole = m - m % WIDTH;
+        match way {
+            WayBack::Committed => {
+                back!(Committed, WIDTH, 0..whole);
+                back!(Committed, ONE, whole..m);
+            }
+            WayBack::Passed => {
+                back!(Passed, WIDTH, 0..whole);
+                back!(Passed, ONE, whole..m);
+            }
+            WayBack::JumpAlone => {
+                back!(JumpAlone, WIDTH, 0..whole);
+                back!(JumpAlone, ONE, whole..m);
             }
         }
     }
 }
 
-/// [`Transposed`], whether some move or not, and whether the adjoints of the stretch are kept; every array is an argument of its own, as in
-/// [`springs`].
+/// [`Transposed`]; every array is an argument of its own, as in [`springs`].
 #[inline(always)]
-fn back<const MOVES: bool, const KEEPS: bool, const B: usize>(
+fn back<const W: usize>(
     way: WayBack,
-    du_x: &[f64],
-    du_y: &[f64],
-    u_n: &[f64],
-    n_0: &[f64],
-    memory_x: &[f64],
-    memory_y: &[f64],
-    gap: &[f64],
-    stiffness: &[f64],
-    ratio: &[f64],
-    reach: &Lanes<f64, B>,
-    t_x: &[f64],
-    t_y: &[f64],
-    t_n: &[f64],
-    history_x: &mut [f64],
-    history_y: &mut [f64],
-    along_x: &mut Lanes<f64, B>,
-    along_y: &mut Lanes<f64, B>,
-    of_n: &mut Lanes<f64, B>,
-    of_begin_n: &mut Lanes<f64, B>,
+    du_x: &[[f64; W]],
+    du_y: &[[f64; W]],
+    u_n: &[[f64; W]],
+    n_0: &[[f64; W]],
+    memory_x: &[[f64; W]],
+    memory_y: &[[f64; W]],
+    gap: &[[f64; W]],
+    stiffness: &[[f64; W]],
+    ratio: &[[f64; W]],
+    reach: &[[f64; W]],
+    t_x: &[[f64; W]],
+    t_y: &[[f64; W]],
+    t_n: &[[f64; W]],
+    history_x: &mut [[f64; W]],
+    history_y: &mut [[f64; W]],
+    along_x: &mut [[f64; W]],
+    along_y: &mut [[f64; W]],
+    of_n: &mut [[f64; W]],
+    of_begin_n: &mut [[f64; W]],
 ) {
-    let m = du_x.len().min(B);
-    let (du_x, du_y, u_n, n_0) = (&du_x[..m], &du_y[..m], &u_n[..m], &n_0[..m]);
-    let (memory_x, memory_y) = (&memory_x[..m], &memory_y[..m]);
-    let (gap, stiffness, ratio) = (&gap[..m], &stiffness[..m], &ratio[..m]);
-    let (t_x, t_y, t_n) = (&t_x[..m], &t_y[..m], &t_n[..m]);
-    let (history_x, history_y) = (&mut history_x[..m], &mut history_y[..m]);
-    for i in 0..m {
-        let gap = gap[i];
-        let du = [du_x[i], du_y[i]];
-        let (w, memory) = ([u_n[i] - gap, n_0[i] - gap], [memory_x[i], memory_y[i]]);
-        let found = match MOVES {
-            true => answer(w, du, memory, reach.0[i], false),
-            false => resting(w, du, memory),
-        };
-        let kappa = stiffness[i];
-        let pull = ratio[i] * kappa;
-        let after = [history_x[i], history_y[i]];
-        let stretch = [
-            way.of_end(after[0]) + pull * t_x[i],
-            way.of_end(after[1]) + pull * t_y[i],
-        ];
-        let [x, y] = found.across(stretch);
-        if !KEEPS {
-            history_x[i] = way.before(after[0], x);
-            history_y[i] = way.before(after[1], y);
+    let n = gap.len();
+    let (du_x, du_y, u_n, n_0) = (&du_x[..n], &du_y[..n], &u_n[..n], &n_0[..n]);
+    let (memory_x, memory_y, stiffness) = (&memory_x[..n], &memory_y[..n], &stiffness[..n]);
+    let (ratio, reach, t_x, t_y, t_n) = (&ratio[..n], &reach[..n], &t_x[..n], &t_y[..n], &t_n[..n]);
+    let (history_x, history_y) = (&mut history_x[..n], &mut history_y[..n]);
+    let (along_x, along_y) = (&mut along_x[..n], &mut along_y[..n]);
+    let (of_n, of_begin_n) = (&mut of_n[..n], &mut of_begin_n[..n]);
+    for c in 0..n {
+        let zero = [0.0; W];
+        let (mut w, mut x, mut y) = (zero, zero, zero);
+        let (mut closed, mut moving) = ([0_u64; W], [0_u64; W]);
+        for i in 0..W {
+            w[i] = u_n[c][i] - gap[c][i];
+            x[i] = memory_x[c][i] + du_x[c][i];
+            y[i] = memory_y[c][i] + du_y[c][i];
+            let moves = (n_0[c][i] < gap[c][i]) | !rests(w[i], [x[i], y[i]], reach[c][i]);
+            closed[i] = u64::from(w[i] > 0.0);
+            moving[i] = u64::from((w[i] > 0.0) & moves);
         }
-        along_x.0[i] += found.share * x;
-        along_y.0[i] += found.share * y;
-        of_n.0[i] += if found.closed { kappa * t_n[i] } else { 0.0 };
-        if MOVES {
+        if closed == [0; W] {
+            for i in 0..W {
+                history_x[c][i] = way.before(history_x[c][i], 0.0);
+                history_y[c][i] = way.before(history_y[c][i], 0.0);
+            }
+            continue;
+        }
+        if moving == [0; W] {
+            for i in 0..W {
+                let kappa = stiffness[c][i];
+                let pull = ratio[c][i] * kappa;
+                let after = [history_x[c][i], history_y[c][i]];
+                let left = if w[i] > 0.0 { 1.0 } else { 0.0 };
+                let x = left * (way.of_end(after[0]) + pull * t_x[c][i]);
+                let y = left * (way.of_end(after[1]) + pull * t_y[c][i]);
+                history_x[c][i] = way.before(after[0], x);
+                history_y[c][i] = way.before(after[1], y);
+                along_x[c][i] += x;
+                along_y[c][i] += y;
+                of_n[c][i] += left * (kappa * t_n[c][i]);
+            }
+            continue;
+        }
+        for i in 0..W {
+            let du = [du_x[c][i], du_y[c][i]];
+            let w = [w[i], n_0[c][i] - gap[c][i]];
+            let found = answer(w, du, [memory_x[c][i], memory_y[c][i]], reach[c][i], false);
+            let kappa = stiffness[c][i];
+            let pull = ratio[c][i] * kappa;
+            let after = [history_x[c][i], history_y[c][i]];
+            let stretch = [
+                way.of_end(after[0]) + pull * t_x[c][i],
+                way.of_end(after[1]) + pull * t_y[c][i],
+            ];
+            let [x, y] = found.across(stretch);
+            history_x[c][i] = way.before(after[0], x);
+            history_y[c][i] = way.before(after[1], y);
+            along_x[c][i] += found.share * x;
+            along_y[c][i] += found.share * y;
             let along = x * du[0] + y * du[1];
             let slip = stretch[0] * found.direction[0] + stretch[1] * found.direction[1];
-            of_n.0[i] += along * found.share_change([1.0, 0.0]) + reach.0[i] * slip;
-            of_begin_n.0[i] += along * found.share_change([0.0, 1.0]);
+            of_n[c][i] += if found.closed { kappa * t_n[c][i] } else { 0.0 };
+            of_n[c][i] += along * found.share_change([1.0, 0.0]) + reach[c][i] * slip;
+            of_begin_n[c][i] += along * found.share_change([0.0, 1.0]);
         }
     }
 }
