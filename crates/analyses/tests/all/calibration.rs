@@ -234,7 +234,7 @@ fn ring(truth: &Scene, random: &mut Pcg64) -> Vec<Measured> {
 
 /// Neither the method nor its assumptions are those of the truth: it moves in time, with inertia and decay, and is identified from noise.
 #[test]
-#[ignore = "half a minute; the gates run it"]
+#[ignore = "half a minute; `.ci/run slow` runs it"]
 fn slow_ninety_of_a_hundred_ring_downs_give_their_parameters_back() {
     let path = folder("row").join("row.npz");
     let mut random = Pcg64::seed_from_u64(2);

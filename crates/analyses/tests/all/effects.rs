@@ -237,7 +237,7 @@ fn by_torque(bolts: &Value) -> Value {
 }
 
 #[test]
-#[ignore = "half a minute; the gates run it"]
+#[ignore = "half a minute; `.ci/run slow` runs it"]
 fn slow_what_a_bolt_load_follows_from_acts_by_every_route() {
     let given = by_torque(&json!({ "torque": 20.0 }));
     let tried = ["bolts.torque", "bolts.thread.pitch", "bolts.load"];

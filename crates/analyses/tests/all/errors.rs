@@ -58,7 +58,8 @@ fn found(run: &Run) -> Vec<[f64; 2]> {
 }
 
 #[test]
-fn estimates_are_what_finer_settings_change() {
+#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+fn slow_estimates_are_what_finer_settings_change() {
     let law = |more: Value| json!({ "interfaces": { "law": more } });
     let springs =
         |count: usize| law(json!({ "friction": "foundation", "bins": { "gauss": count }, "radii": { "annuli": 8 } }));
@@ -130,7 +131,7 @@ fn mesh_error() -> f64 {
 }
 
 #[test]
-#[ignore = "twenty seconds; the gates run it"]
+#[ignore = "twenty seconds; `.ci/run slow` runs it"]
 fn slow_settings_are_adapted_to_the_errors_that_are_borne() {
     let asked = |more: Value| {
         let mut scene = json!({
@@ -173,7 +174,8 @@ fn slow_settings_are_adapted_to_the_errors_that_are_borne() {
 
 /// Were the places of the bins the same in all elements, the error of single points (8e-4 with eight bins) would not average out.
 #[test]
-fn four_points_per_direction_agree_with_five() {
+#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+fn slow_four_points_per_direction_agree_with_five() {
     let first_frequency = |points: usize| {
         let scene = json!({
             "units": { "length": "m", "mass": "kg", "time": "s" },

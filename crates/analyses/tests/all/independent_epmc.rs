@@ -97,7 +97,7 @@ fn periodic_motions_are_those_of_an_independent_harmonic_balance() {
 }
 
 #[test]
-#[ignore = "half a minute; the gates run it"]
+#[ignore = "half a minute; `.ci/run slow` runs it"]
 fn slow_periodic_motions_on_asperity_sums_are_those_of_an_independent_harmonic_balance() {
     compare(|name| name.starts_with("measured"));
 }
@@ -140,7 +140,8 @@ fn compare(is_meant: fn(&str) -> bool) {
 }
 
 #[test]
-fn first_harmonics_of_the_loops_are_those_of_periodic_motions() {
+#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+fn slow_first_harmonics_of_the_loops_are_those_of_periodic_motions() {
     let Some(reference) = reference() else { return };
     let folder = TemporaryFolder::new("independent-epmc");
     let options = Options {

@@ -80,7 +80,7 @@ fn summary(run: &Run) -> Value {
 }
 
 #[test]
-#[ignore = "twenty seconds; the gates run it"]
+#[ignore = "twenty seconds; `.ci/run slow` runs it"]
 fn slow_blocks_give_what_dense_matrices_give_the_nearer_the_smaller_their_tolerance() {
     let folder = TemporaryFolder::new("many-joints");
     for (joints, behaviour) in [(2, "dead-load"), (4, "locked")] {
@@ -295,7 +295,7 @@ fn rings_on_pads_have_the_same_modes_by_blocks() {
 }
 
 #[test]
-#[ignore = "twenty seconds; the gates run it"]
+#[ignore = "twenty seconds; `.ci/run slow` runs it"]
 fn slow_bolts_of_a_frame_clamp_what_lies_between_their_ends_and_not_the_level_above() {
     let folder = TemporaryFolder::new("many-joints-frame");
     let frame = Frame::default();

@@ -140,7 +140,7 @@ fn forced_responses_are_those_of_the_motion_in_time() {
 }
 
 #[test]
-#[ignore = "a minute; the gates run it"]
+#[ignore = "a minute; `.ci/run slow` runs it"]
 fn slow_forced_responses_are_those_of_the_stationary_motion_in_time() {
     let found = differences_in_time(80);
     assert!(found.iter().all(|difference| *difference < 1e-3), "{found:?}");
@@ -203,7 +203,8 @@ fn threads_and_interruptions_change_no_bit_of_periodic_motions() {
 }
 
 #[test]
-fn harmonics_and_samples_follow_from_an_error_target() {
+#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+fn slow_harmonics_and_samples_follow_from_an_error_target() {
     let amplitude = 3e-4;
     let found = |epmc: Epmc| motions(&run(&with_epmc(epmc), &Options::default(), &Silent).unwrap()).remove(0);
     let fine = found(Epmc {

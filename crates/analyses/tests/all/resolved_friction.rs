@@ -278,7 +278,8 @@ fn what_does_not_belong_to_the_friction_of_a_scene_is_refused() {
 
 /// Contact of synthetic scans by boundary elements, as the curves of both kinds of friction.
 #[test]
-fn boundary_elements_take_the_place_of_asperities() {
+#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+fn slow_boundary_elements_take_the_place_of_asperities() {
     let scene = |law: &str, more: &str| {
         let text = format!(
             r#"{{ "units": {{ "length": "m", "mass": "kg", "time": "s" }}, "structure": {{ "benchmark": "brake-reuss-beam" }},
@@ -357,7 +358,8 @@ impl Progress for Heard {
 }
 
 #[test]
-fn contact_by_boundary_elements_is_kept_for_the_next_run() {
+#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+fn slow_contact_by_boundary_elements_is_kept_for_the_next_run() {
     let scene = |seed: u64| {
         let text = format!(
             r#"{{ "units": {{ "length": "m", "mass": "kg", "time": "s" }}, "structure": {{ "benchmark": "brake-reuss-beam" }},

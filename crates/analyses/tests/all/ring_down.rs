@@ -73,7 +73,8 @@ fn ring_down_and_quasi_static_backbone_agree_within_what_was_measured() {
 }
 
 #[test]
-fn an_impact_rings_at_the_frequency_of_the_linearised_mode() {
+#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+fn slow_an_impact_rings_at_the_frequency_of_the_linearised_mode() {
     // Too weak to make anything slip: five periods suffice to count zeros.
     let settings = RingDown {
         strike: Some(Strike {

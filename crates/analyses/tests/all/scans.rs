@@ -258,7 +258,7 @@ fn go(scene: &Scene, options: &Options, threads: usize) -> (Run, Ensemble) {
 }
 
 #[test]
-#[ignore = "half a minute; the gates run it"]
+#[ignore = "half a minute; `.ci/run slow` runs it"]
 fn slow_ensembles_depend_on_the_seed_alone_and_go_on_where_they_stopped() {
     let scene = scene(Surface::SyntheticScan(faces()));
     let (measured, one) = go(&scene, &options(folder()), 1);

@@ -152,7 +152,8 @@ fn displacements(scene: &Scene) -> Vec<f64> {
 }
 
 #[test]
-fn derivatives_of_the_beam_are_those_of_whole_runs() {
+#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+fn slow_derivatives_of_the_beam_are_those_of_whole_runs() {
     let parameters = [
         "interfaces.mu",
         "bolts.load",
@@ -169,7 +170,8 @@ fn derivatives_of_the_beam_are_those_of_whole_runs() {
 }
 
 #[test]
-fn derivatives_by_the_material_are_those_of_whole_runs() {
+#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+fn slow_derivatives_by_the_material_are_those_of_whole_runs() {
     let parameters = [
         "model.material.youngs_modulus",
         "model.material.poisson_ratio",
@@ -306,7 +308,8 @@ fn compare_free_motions(parameters: &[&str], number: usize) {
 }
 
 #[test]
-fn derivatives_of_free_motions_are_those_of_whole_backbones() {
+#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+fn slow_derivatives_of_free_motions_are_those_of_whole_backbones() {
     compare_free_motions(&["interfaces.mu", "bolts.load"], 3);
 }
 

@@ -347,7 +347,7 @@ fn pages(root: &Path) -> Vec<String> {
 }
 
 #[test]
-#[ignore = "a minute; the gates run it"]
+#[ignore = "a minute; `.ci/run slow` runs it"]
 fn slow_every_command_and_scene_of_the_book_works() {
     let book = Book::open();
     let pages = pages(&book.root);

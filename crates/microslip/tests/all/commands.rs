@@ -659,7 +659,7 @@ fn scans_that_cannot_be_characterised_leave_nothing_behind() {
 }
 
 #[test]
-#[ignore = "half a minute; the gates run it"]
+#[ignore = "half a minute; `.ci/run slow` runs it"]
 fn slow_an_ensemble_puts_bands_about_the_backbone() {
     let folder = folder("ensemble");
     let mut scene = read_json(Path::new(QUICK));

@@ -97,7 +97,8 @@ impl Sliders {
 }
 
 #[test]
-fn the_joints_of_a_run_stand_in_other_models() {
+#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+fn slow_the_joints_of_a_run_stand_in_other_models() {
     let folder = folder("elements");
     std::fs::write(folder.join("beam.json"), scene(7).to_string()).unwrap();
     succeeds(&folder, &["run", "beam.json", "--out", "run"]);

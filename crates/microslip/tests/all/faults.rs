@@ -395,12 +395,13 @@ fn sample(subject: &'static Subject, counts: [usize; 2]) {
 }
 
 #[test]
-fn a_run_with_a_failed_call_leaves_old_or_new_results_and_completes_again() {
+#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+fn slow_a_run_with_a_failed_call_leaves_old_or_new_results_and_completes_again() {
     sample(&RUN, [5, 10]);
 }
 
 #[test]
-#[ignore = "half a minute; the gates run it"]
+#[ignore = "half a minute; `.ci/run slow` runs it"]
 fn slow_an_ensemble_with_a_failed_call_leaves_old_or_new_results_and_completes_again() {
     sample(&ENSEMBLE, [2, 5]);
 }

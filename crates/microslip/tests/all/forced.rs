@@ -29,7 +29,8 @@ fn numbers(array: &Array) -> &[f64] {
 }
 
 #[test]
-fn forced_responses_are_written_as_a_set_that_can_be_repeated() {
+#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+fn slow_forced_responses_are_written_as_a_set_that_can_be_repeated() {
     let folder = scene("forced");
     let arguments = ["run", "joint.json", "--only", "forced,epmc", "--verbose"];
     let output = run(&folder, &arguments);
@@ -121,7 +122,7 @@ fn what_a_scene_does_not_ask_for_is_refused_before_anything_is_computed() {
 }
 
 #[test]
-#[ignore = "twenty seconds; the gates run it"]
+#[ignore = "twenty seconds; `.ci/run slow` runs it"]
 fn slow_a_controlled_test_is_identified_from_the_table_that_its_simulation_writes() {
     let folder = folder("controlled");
     let mut scene = read_json(Path::new(QUICK));

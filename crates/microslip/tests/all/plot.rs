@@ -120,7 +120,7 @@ fn a_power_law_of_damping_is_a_straight_line_and_runs_have_a_legend() {
 }
 
 #[test]
-#[ignore = "twenty seconds; the gates run it"]
+#[ignore = "twenty seconds; `.ci/run slow` runs it"]
 fn slow_runs_have_maps_and_bands() {
     let folder = folder("plot-run");
     let scene = json!({

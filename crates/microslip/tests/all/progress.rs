@@ -212,7 +212,7 @@ fn estimates(folder: &Path, arguments: &[&str]) -> (f64, Vec<Option<f64>>) {
 
 /// Prints predicted over true total times; what else the computer does while it runs is in the figures.
 #[test]
-#[ignore = "a minute and a half; the gates run it"]
+#[ignore = "a minute and a half; `.ci/run slow` runs it"]
 fn slow_what_is_left_is_told_from_the_first_fifth_on() {
     let folder = folder("progress-left");
     for (name, arguments) in [

@@ -223,7 +223,7 @@ fn frequencies(model: &Value, kind: &str) -> (u64, Vec<f64>) {
 }
 
 #[test]
-#[ignore = "half a minute; the gates run it"]
+#[ignore = "half a minute; `.ci/run slow` runs it"]
 fn slow_spectra_are_printed_for_any_order_of_elements() {
     let folder = folder("orders");
     let write = |name: &str, scene: &Value| std::fs::write(folder.join(name), scene.to_string()).unwrap();

@@ -5,7 +5,7 @@ use crate::common::{folder, read_json, run, succeeds};
 use serde_json::Value;
 
 #[test]
-#[ignore = "half a minute; the gates run it"]
+#[ignore = "half a minute; `.ci/run slow` runs it"]
 fn slow_errors_fall_from_rung_to_rung_and_finished_runs_are_kept() {
     let folder = folder("trade");
     let go = || {
