@@ -41,6 +41,8 @@ pub struct Run {
     pub tightening: Option<TighteningResult>,
     /// Linearised frequencies (Hz).
     pub frequencies: Vec<f64>,
+    /// Memory that a product with the stuck structure's flexibility reads (bytes).
+    pub flexibility_bytes: usize,
     /// Backbones of the modes followed, in the scene's order; never empty.
     pub backbones: Vec<ModeBackbone>,
     /// What analyses of vibration find beside the backbones.

@@ -240,11 +240,13 @@ impl Solver<'_> {
 
         let vibration = Vibration::of(about, &modes, kept(scene, self.options)?, &mut checkpoints, progress)?;
         let frequencies = line.frequencies();
+        let flexibility_bytes = line.preconditioner_bytes();
         drop(line);
         Ok(Analysis {
             prestress,
             tightening,
             frequencies,
+            flexibility_bytes,
             modes,
             vibration,
             checkpoints,

@@ -214,6 +214,14 @@ impl Stuck {
         }
     }
 
+    /// Memory that a product with `P^-1` reads.
+    pub(crate) fn bytes(&self) -> usize {
+        match &self.flexibility {
+            Flexibility::Whole(inverse) => inverse.bytes(),
+            Flexibility::Reflected(inverse) => inverse.bytes(),
+        }
+    }
+
     /// Round-off that evaluating the contact force `force` at the displacements `u` leaves.
     pub(crate) fn round_off(&self, pattern: PatternView<'_>, u: &[f64], force: &[f64]) -> RoundOff {
         let tangent: Vec<f64> = self.tangent.iter().map(|t| t.abs()).collect();

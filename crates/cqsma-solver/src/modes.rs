@@ -76,6 +76,11 @@ impl<'a, S> Linearisation<'a, S> {
         self.stuck.tangent()
     }
 
+    /// Memory that a [solve](Self::preconditioner_solve_into) reads (bytes).
+    pub fn preconditioner_bytes(&self) -> usize {
+        self.stuck.bytes()
+    }
+
     /// `v`, the displacements under the force `p` of the structure with the contact of [`preconditioner_tangent`](Self::preconditioner_tangent); both
     /// have as many numbers as there are coordinates.
     ///

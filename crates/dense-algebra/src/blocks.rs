@@ -362,6 +362,14 @@ impl BlockMatrix {
 }
 
 impl BlockInverse {
+    /// Memory of the entries, which a product reads once.
+    pub fn bytes(&self) -> usize {
+        let dense = self.responses.iter().chain([&self.core]);
+        let entries: usize = dense.map(|matrix| matrix.nrows() * matrix.ncols()).sum();
+        let local: usize = self.local.iter().map(Symmetric::bytes).sum();
+        local + (self.rest.len() + entries) * size_of::<f64>()
+    }
+
     /// `y = A^-1 x`.
     ///
     /// # Panics

@@ -62,6 +62,11 @@ impl Symmetric {
         self.size
     }
 
+    /// Memory of the entries, which a product reads once.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.entries.as_slice())
+    }
+
     /// The diagonal, from the first entry to the last.
     pub fn diagonal(&self) -> impl Iterator<Item = f64> {
         let mut at = 0;

@@ -140,6 +140,11 @@ impl ReflectedInverse {
         }
     }
 
+    /// Memory of the entries, which a product reads once.
+    pub fn bytes(&self) -> usize {
+        self.parts.iter().map(|(_, inverse)| inverse.bytes()).sum()
+    }
+
     /// The diagonal, from the first entry to the last.
     pub fn diagonal(&self) -> Vec<f64> {
         let mut diagonal = vec![0.0; self.size];

@@ -278,6 +278,14 @@ impl Inverse {
         }
     }
 
+    /// Memory of the entries, which a product reads once.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Whole(inverse) => inverse.bytes(),
+            Self::Blocks(inverse) => inverse.bytes(),
+        }
+    }
+
     /// The diagonal.
     pub fn diagonal(&self) -> Vec<f64> {
         match self {

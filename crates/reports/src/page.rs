@@ -10,6 +10,7 @@ use crate::phrases::{damping, tensions};
 use crate::{Error, fields, map, plot, styles};
 use analyses::mesh_error::{FrequencyEstimate, ModeEstimate};
 use analyses::results::summary::{BackboneSummary, MethodSummary, Status, Summary};
+use analyses::results::work::Work;
 use analyses::warnings::Warning;
 use analyses::{ModeBackbone, Run};
 use askama::Template;
@@ -595,7 +596,20 @@ fn effort(summary: &Summary) -> Facts {
     let memory = summary
         .peak_memory
         .map(|bytes| ("largest memory".into(), format!("{:.0} MB", bytes as f64 / 1e6)));
-    times.chain(memory).collect()
+    let work = summary.work.iter().map(|(stage, work)| {
+        let Work {
+            law_evaluations,
+            products,
+            bytes_read,
+            ..
+        } = work;
+        let read = *bytes_read as f64 / 1e9;
+        let text = format!(
+            "{law_evaluations} evaluations of the law, {products} products with the flexibility that read {read:.2} GB"
+        );
+        (format!("work: {stage}"), text)
+    });
+    times.chain(memory).chain(work).collect()
 }
 
 /// The overview as on the terminal, with raised digits as in pictures.

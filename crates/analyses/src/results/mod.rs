@@ -5,3 +5,4 @@ pub mod answer;
 pub mod provenance;
 pub mod summary;
 pub mod trends;
+pub mod work;

@@ -3,6 +3,7 @@
 pub use super::amplitudes::{BackboneSummary, JointSummary, Status};
 use super::answer::{Answer, Found, answer};
 use super::provenance::Provenance;
+use super::work::{self, Work};
 use crate::adaptation::Adaptation;
 use crate::amplitude::JointLoop;
 use crate::comparison::{self, Misfit};
@@ -141,6 +142,9 @@ pub struct Summary {
     pub provenance: Option<Provenance>,
     /// Seconds per stage, and in total.
     pub timings: BTreeMap<String, f64>,
+    /// What the stages with loops and periodic motions did, by the names of `timings`; missing in older summaries.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub work: BTreeMap<String, Work>,
     /// Largest memory of the process (bytes), where the system tells.
     pub peak_memory: Option<u64>,
 }
@@ -510,6 +514,7 @@ impl Summary {
             skipped: skipped(run),
             provenance: None,
             timings,
+            work: work::of(run),
             peak_memory,
         };
         summary.answer = summary.answers();
@@ -579,6 +584,7 @@ impl Summary {
             random_failure: None,
             shock: None,
             ring_down: None,
+            work: BTreeMap::new(),
             ..self.clone()
         }
     }

@@ -37,3 +37,4 @@ mod sweeps;
 mod symmetry;
 mod tightening;
 mod uncertainty;
+mod work;

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 const TOLERANCE: f64 = 1e-6;
 
 /// Fields of the summary that are not results: inputs, where they and the settings come from, and what the computer spent.
-const NOT_RESULTS: [&str; 5] = ["scene", "adaptation", "provenance", "timings", "peak_memory"];
+const NOT_RESULTS: [&str; 6] = ["scene", "adaptation", "provenance", "timings", "work", "peak_memory"];
 
 /// Fields that round-off decides: how much work was done, what was left of residuals, and what follows from that; the common motion around bolts that
 /// hardly have one.

@@ -1,0 +1,69 @@
+//! How much work loops and periodic motions take.
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+use crate::common::BENCHMARKS;
+use analyses::results::summary::Summary;
+use analyses::results::work::Work;
+use analyses::run;
+use joints::Options;
+use joints::progress::Silent;
+use scenes::Scene;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+/// Counts of the solvers, so that a change of theirs is seen. A twentieth is left to the rounding of other processors.
+#[test]
+fn loops_and_periodic_motions_take_as_much_work_as_they_did() {
+    let found = |law: Value, epmc: bool| {
+        let mut scene = json!({
+            "units": { "length": "m", "mass": "kg", "time": "s" },
+            "structure": { "benchmark": "brake-reuss-beam" },
+            "model": { "element_order": "linear", "refinement": "quick" },
+            "interfaces": { "gap": "flat", "mu": 0.2, "law": law },
+            "analyses": { "backbone": { "amplitudes": 6 } },
+        });
+        if epmc {
+            scene["analyses"]["epmc"] = json!({});
+        }
+        let scene = Scene::from_value(scene, "here", "work", &BENCHMARKS).unwrap();
+        Summary::new(
+            &run(&scene, &Options::default(), &Silent).unwrap(),
+            BTreeMap::new(),
+            None,
+        )
+        .work
+    };
+    let check = |name: &str, work: &Work, expected: [usize; 3]| {
+        let counts = [work.residuals, work.krylov_steps, work.products];
+        println!("{name}: {work:?}");
+        for (found, expected) in counts.into_iter().zip(expected) {
+            assert!(
+                20 * found.abs_diff(expected) <= expected,
+                "{name}: {counts:?}, expected {expected:?}"
+            );
+        }
+        assert_eq!(work.factorisations, 0);
+    };
+    let lumped = found(json!({ "friction": "lumped" }), false);
+    check("lumped", &lumped["backbone"], [700, 1810, 2510]);
+    assert_eq!(lumped.keys().collect::<Vec<_>>(), ["backbone"]);
+    let annuli = found(json!({ "friction": "mindlin-iwan" }), false);
+    check("annuli", &annuli["backbone"], [994, 2526, 3520]);
+    let springs = found(json!({}), true);
+    check("springs", &springs["backbone"], [978, 2418, 3396]);
+    check("springs, periodic", &springs["epmc"], [36, 152, 1316]);
+    // Two periods of 128 samples, and three harmonics.
+    let Work {
+        residuals,
+        krylov_steps,
+        law_evaluations,
+        products,
+        bytes_read,
+        ..
+    } = springs["epmc"];
+    assert_eq!(
+        (law_evaluations, products),
+        (256 * residuals, 7 * (residuals + krylov_steps))
+    );
+    assert_eq!(bytes_read % products as u64, 0);
+}
