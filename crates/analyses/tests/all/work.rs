@@ -1,5 +1,4 @@
 //! How much work loops and periodic motions take.
-#![expect(clippy::unwrap_used, reason = "tests")]
 
 use crate::common::BENCHMARKS;
 use analyses::results::summary::Summary;
