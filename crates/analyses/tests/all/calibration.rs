@@ -61,7 +61,8 @@ fn go(
 }
 
 #[test]
-fn friction_and_bolt_load_are_recovered_from_a_noisy_backbone() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_friction_and_bolt_load_are_recovered_from_a_noisy_backbone() {
     let quick = json!({
         "units": { "length": "m", "mass": "kg", "time": "s" },
         "structure": { "benchmark": "brake-reuss-beam" },

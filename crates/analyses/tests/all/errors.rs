@@ -58,7 +58,7 @@ fn found(run: &Run) -> Vec<[f64; 2]> {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_estimates_are_what_finer_settings_change() {
     let law = |more: Value| json!({ "interfaces": { "law": more } });
     let springs =
@@ -174,7 +174,7 @@ fn slow_settings_are_adapted_to_the_errors_that_are_borne() {
 
 /// Were the places of the bins the same in all elements, the error of single points (8e-4 with eight bins) would not average out.
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_four_points_per_direction_agree_with_five() {
     let first_frequency = |points: usize| {
         let scene = json!({

@@ -92,7 +92,8 @@ fn reference() -> Option<Value> {
 }
 
 #[test]
-fn periodic_motions_are_those_of_an_independent_harmonic_balance() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_periodic_motions_are_those_of_an_independent_harmonic_balance() {
     compare(|name| name.starts_with("constant"));
 }
 
@@ -140,7 +141,7 @@ fn compare(is_meant: fn(&str) -> bool) {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_first_harmonics_of_the_loops_are_those_of_periodic_motions() {
     let Some(reference) = reference() else { return };
     let folder = TemporaryFolder::new("independent-epmc");

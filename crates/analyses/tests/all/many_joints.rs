@@ -132,7 +132,8 @@ fn slow_blocks_give_what_dense_matrices_give_the_nearer_the_smaller_their_tolera
 }
 
 #[test]
-fn other_analyses_run_on_blocks_too() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_other_analyses_run_on_blocks_too() {
     let folder = TemporaryFolder::new("many-joints-analyses");
     let flange = Flange { bolts: 4, pad: 6 };
     let mesh = flange.mesh().unwrap();
@@ -190,7 +191,8 @@ fn each_joint_tells_what_it_does_and_the_loose_one_dissipates() {
 }
 
 #[test]
-fn threads_and_a_stored_model_change_no_bit() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_threads_and_a_stored_model_change_no_bit() {
     let folder = TemporaryFolder::new("many-joints-bits");
     let scene = chain(&folder, 3, |value| value["model"]["coupling_tolerance"] = json!(1e-6));
     let options = Options {
@@ -273,7 +275,8 @@ impl Progress for Notes {
 }
 
 #[test]
-fn rings_on_pads_have_the_same_modes_by_blocks() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_rings_on_pads_have_the_same_modes_by_blocks() {
     let folder = TemporaryFolder::new("many-joints-flange");
     let flange = Flange { bolts: 6, pad: 6 };
     let mesh = flange.mesh().unwrap();

@@ -133,7 +133,8 @@ fn differences_in_time(periods: usize) -> Vec<f64> {
 }
 
 #[test]
-fn forced_responses_are_those_of_the_motion_in_time() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_forced_responses_are_those_of_the_motion_in_time() {
     // The small difference at the start still beats with the frequency of the force.
     let found = differences_in_time(8);
     assert!(found.iter().all(|difference| *difference < 5e-3), "{found:?}");
@@ -203,7 +204,7 @@ fn threads_and_interruptions_change_no_bit_of_periodic_motions() {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_harmonics_and_samples_follow_from_an_error_target() {
     let amplitude = 3e-4;
     let found = |epmc: Epmc| motions(&run(&with_epmc(epmc), &Options::default(), &Silent).unwrap()).remove(0);

@@ -167,7 +167,7 @@ fn run_bars(folder: &TemporaryFolder, kind: &str, cells: [usize; 3], points: usi
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_quadratic_bars_agree_with_finer_linear_ones() {
     let folder = TemporaryFolder::new("quadratic-bars");
     let [coarse, fine] = [[16, 4, 2], [32, 8, 4]].map(|cells| run_bars(&folder, "C3D8I", cells, 2));

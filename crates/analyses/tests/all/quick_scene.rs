@@ -73,7 +73,7 @@ fn the_structure_is_the_benchmark() {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_accelerometers_lower_the_first_frequency_as_perturbation_theory_says() {
     let mut scene = quick();
     scene.analyses.backbone.amplitudes = 1;

@@ -79,7 +79,8 @@ fn apart(points: &[[f64; 3]], published: &[BackbonePoint], upto: f64) -> [f64; 2
 }
 
 #[test]
-fn damping_far_below_gross_slip_is_that_of_the_published_model() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_damping_far_below_gross_slip_is_that_of_the_published_model() {
     // The coarse mesh follows the gap of the topography less well.
     for (name, published, bounds) in [
         ("published-epmc-flat", &BACKBONE_FLAT[..], [0.1, 4e-3]),
@@ -278,7 +279,7 @@ fn what_does_not_belong_to_the_friction_of_a_scene_is_refused() {
 
 /// Contact of synthetic scans by boundary elements, as the curves of both kinds of friction.
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_boundary_elements_take_the_place_of_asperities() {
     let scene = |law: &str, more: &str| {
         let text = format!(
@@ -358,7 +359,7 @@ impl Progress for Heard {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_contact_by_boundary_elements_is_kept_for_the_next_run() {
     let scene = |seed: u64| {
         let text = format!(

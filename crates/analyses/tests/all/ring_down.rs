@@ -36,7 +36,8 @@ fn quick() -> &'static Run {
 }
 
 #[test]
-fn ring_down_and_quasi_static_backbone_agree_within_what_was_measured() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_ring_down_and_quasi_static_backbone_agree_within_what_was_measured() {
     let Found { motion, identified } = quick().vibration.ring_down.as_ref().unwrap().as_ref().unwrap();
     let ring = identified.as_ref().unwrap();
     let transient = &motion.transient;
@@ -73,7 +74,7 @@ fn ring_down_and_quasi_static_backbone_agree_within_what_was_measured() {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_an_impact_rings_at_the_frequency_of_the_linearised_mode() {
     // Too weak to make anything slip: five periods suffice to count zeros.
     let settings = RingDown {

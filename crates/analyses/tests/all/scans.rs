@@ -88,7 +88,8 @@ fn bits(run: &Run) -> Vec<[u64; 3]> {
 }
 
 #[test]
-fn scans_from_files_give_the_backbone_of_the_same_faces_to_the_last_bit() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_scans_from_files_give_the_backbone_of_the_same_faces_to_the_last_bit() {
     for kind in [LawKind::Tabulated, LawKind::Fitted] {
         let go = |surface| {
             let mut scene = scene(surface);

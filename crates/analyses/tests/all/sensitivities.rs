@@ -152,7 +152,7 @@ fn displacements(scene: &Scene) -> Vec<f64> {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_derivatives_of_the_beam_are_those_of_whole_runs() {
     let parameters = [
         "interfaces.mu",
@@ -170,7 +170,7 @@ fn slow_derivatives_of_the_beam_are_those_of_whole_runs() {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_derivatives_by_the_material_are_those_of_whole_runs() {
     let parameters = [
         "model.material.youngs_modulus",
@@ -308,7 +308,7 @@ fn compare_free_motions(parameters: &[&str], number: usize) {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_derivatives_of_free_motions_are_those_of_whole_backbones() {
     compare_free_motions(&["interfaces.mu", "bolts.load"], 3);
 }

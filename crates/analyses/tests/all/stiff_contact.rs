@@ -77,7 +77,7 @@ fn a_prestress_out_of_balance_is_refused_or_balanced() {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_points_of_very_different_stiffness_end_with_a_reason() {
     let elements = (0..148).map(|i| if i % 2 == 0 { 1e8 } else { 1e18 });
     let backbone = json!({ "amplitudes": 3, "amplitude_from": 1e-6, "amplitude_to": 1e-4 });

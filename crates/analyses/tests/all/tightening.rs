@@ -556,7 +556,8 @@ fn the_order_of_three_bolts_matters_and_mirrored_orders_are_mirrored() {
 }
 
 #[test]
-fn tightening_is_the_same_on_any_number_of_threads_and_goes_on_to_modes() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_tightening_is_the_same_on_any_number_of_threads_and_goes_on_to_modes() {
     let on = |threads: usize, scene: &Scene| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| go(scene).unwrap())

@@ -332,7 +332,7 @@ fn inputs_that_change_the_structure_are_reduced_anew() {
 
 /// The error of the law is an input of every scene whose law is a sum over asperities, unless the scene says otherwise.
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_the_error_of_the_law_is_in_the_bands_by_default() {
     let beam = |uncertain: Value| {
         json!({

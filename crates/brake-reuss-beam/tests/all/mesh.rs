@@ -906,7 +906,8 @@ fn parabolas_on_the_equal_area_radius_enclose_the_circle() {
 }
 
 #[test]
-fn quadratic_meshes_have_round_holes_and_exact_volumes() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_quadratic_meshes_have_round_holes_and_exact_volumes() {
     let geometry = Geometry::default();
     let on_linear_meshes = [("quick", Refinement::quick()), ("coarse", Refinement::coarse())];
     let levels = Refinement::presets(ElementOrder::Quadratic).into_iter().take(3);
@@ -993,7 +994,8 @@ fn quadratic_meshes_have_round_holes_and_exact_volumes() {
 }
 
 #[test]
-fn half_of_a_quadratic_beam_has_the_loads_and_mass_of_the_whole() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_half_of_a_quadratic_beam_has_the_loads_and_mass_of_the_whole() {
     let whole = quadratic(&Refinement::quick());
     let half = whole.half().unwrap();
     half.interface.validate().unwrap();

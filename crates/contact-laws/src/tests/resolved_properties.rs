@@ -466,7 +466,8 @@ fn cycles_at_constant_interference_dissipate() {
 /// Largest gain over `mu t_n` times the length of the path, for what has no potential, at changing `u_n`: the numbers of the
 /// documentation.
 #[test]
-fn gains_without_a_potential() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_gains_without_a_potential() {
     let (elastic, jumps, smooth) = (None, Some(YieldCurves::Published), Some(YieldCurves::Continuous));
     let whole = AsperityFriction::StickSlip;
     let annuli = |rule| AsperityFriction::Annuli(rule, 4);

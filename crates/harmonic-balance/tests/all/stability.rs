@@ -145,7 +145,8 @@ fn twins_that_move_alike_are_excited_against_one_another_as_mathieu_says() {
 }
 
 #[test]
-fn multipliers_of_a_sliding_oscillator_are_those_of_its_motion_in_time() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_multipliers_of_a_sliding_oscillator_are_those_of_its_motion_in_time() {
     let (slider, limit, beta, force) = (0.4, 0.3, 0.01, 0.5);
     let (stiffness, mass) = (Mat::full(1, 1, 1.0), Mat::full(1, 1, 1.0));
     let law = Elements::new(vec![Element::Jenkins {

@@ -97,7 +97,7 @@ impl Sliders {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_the_joints_of_a_run_stand_in_other_models() {
     let folder = folder("elements");
     std::fs::write(folder.join("beam.json"), scene(7).to_string()).unwrap();

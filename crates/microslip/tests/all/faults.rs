@@ -395,7 +395,7 @@ fn sample(subject: &'static Subject, counts: [usize; 2]) {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_a_run_with_a_failed_call_leaves_old_or_new_results_and_completes_again() {
     sample(&RUN, [5, 10]);
 }

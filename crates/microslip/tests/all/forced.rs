@@ -29,7 +29,7 @@ fn numbers(array: &Array) -> &[f64] {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_forced_responses_are_written_as_a_set_that_can_be_repeated() {
     let folder = scene("forced");
     let arguments = ["run", "joint.json", "--only", "forced,epmc", "--verbose"];

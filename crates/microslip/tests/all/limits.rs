@@ -82,7 +82,7 @@ fn interrupt_after(folder: &Path, word: &str) -> Duration {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_ctrl_c_ends_a_run_at_once_whatever_it_is_at_and_leaves_no_half_of_results() {
     let folder = folder("limits-interrupted");
     scene(&folder, "default");

@@ -87,7 +87,7 @@ fn mesh_scripts_make_what_their_scenes_describe() {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_samples_are_the_same_everywhere_and_their_commands_run() {
     let folder = folder("samples");
     succeeds(&folder, &["samples", "one"]);

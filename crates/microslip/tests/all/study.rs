@@ -59,7 +59,7 @@ fn lines(cases: &Path) -> Vec<String> {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_tables_are_the_same_by_one_thread_by_two_and_in_parts_and_no_case_is_run_twice() {
     let folder = folder("study-same");
     plan(&folder);
@@ -181,7 +181,7 @@ fn learning(folder: &Path, name: &str, hyper_reduction: &str) {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_cases_that_learn_have_estimated_errors_and_the_same_tables_whoever_runs_them() {
     let folder = folder("study-learning");
     learning(&folder, "whole.json", "");
@@ -441,7 +441,7 @@ fn killed_at_random(folder: &Path, plan: &str, kills: usize, whole: Duration) ->
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_a_study_that_is_killed_goes_on_and_loses_the_cases_under_way_alone() {
     let folder = folder("study-killed");
     plan(&folder);

@@ -350,7 +350,7 @@ fn setup_serves_its_own_page_alone() {
 }
 
 #[test]
-#[ignore = "seven to twenty seconds; `.ci/run slow` runs it"]
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
 fn slow_requests_end_and_hold_nobody_up() {
     let folder = lap("web-slow");
     let server = Server::start(&folder, &["setup", "lap/mesh.msh", "--no-open"]);

@@ -45,7 +45,8 @@ fn backbones(structure: &CaseStructure, case: &Scene, known: Option<&Scene>) -> 
 }
 
 #[test]
-fn shared_surfaces_and_structures_change_no_bit() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_shared_surfaces_and_structures_change_no_bit() {
     let structure = CaseStructure::try_new(&case(&[]), &Options::default(), &Silent).unwrap();
     let face = json!({ "ra": "0.8 um", "rsm": "400 um" });
     let finish = json!({ "finish": { "top": face, "bottom": face, "route": "fast" } });

@@ -224,7 +224,8 @@ fn a_full_size_pair_in_seconds() {
 }
 
 #[test]
-fn bitwise_the_same_on_any_number_of_threads() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_bitwise_the_same_on_any_number_of_threads() {
     let elements = interface();
     let (top, bottom) = (face(1, 2.0), face(2, 2.0));
     let mut options = Options::new(steel());

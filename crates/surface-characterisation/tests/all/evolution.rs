@@ -141,7 +141,8 @@ fn field(name: &str, seed: u64, length: f64) -> ElementField {
 }
 
 #[test]
-fn shifts_keep_their_level_where_independence_does_not() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_shifts_keep_their_level_where_independence_does_not() {
     let options = CorrelationOptions {
         shifts: 199,
         ..CorrelationOptions::default()

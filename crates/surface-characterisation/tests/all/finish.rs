@@ -286,7 +286,8 @@ fn check_agreement(number: usize, realisations: usize, slack: f64) {
 }
 
 #[test]
-fn both_routes_agree_within_the_stated_error() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_both_routes_agree_within_the_stated_error() {
     // The median of 192 realisations scatters by about 6 %: two standard errors are allowed for.
     for number in [0, 4] {
         check_agreement(number, 192, 0.12);
@@ -453,7 +454,8 @@ fn intervals_cover_the_scanned_elements_of_a_surface_with_the_benchmarks_statist
 }
 
 #[test]
-fn two_moments_do_not_fix_the_tail_of_a_distribution() {
+#[ignore = "five to twenty seconds; `.ci/run slow` runs it"]
+fn slow_two_moments_do_not_fix_the_tail_of_a_distribution() {
     let Some((gaps, radius)) = benchmark() else {
         println!("skipped: BRB_REFERENCE does not name the folder of the reference data");
         return;
