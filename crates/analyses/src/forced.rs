@@ -20,8 +20,8 @@ use scenes::Forced;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
-/// Periods that histories are followed for at first; more where they do not repeat.
-pub(super) const PERIODS: usize = 2;
+/// Periods that histories are followed for.
+const PERIODS: usize = 2;
 
 /// Intervals between two amplitudes of a backbone in the response of one mode.
 const BETWEEN: usize = 16;

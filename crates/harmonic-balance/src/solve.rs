@@ -1,5 +1,6 @@
 //! Newton's method with a bordered Krylov solve.
 
+use crate::aft::Sampling;
 use crate::force::PointwiseForce;
 use crate::harmonics::Harmonics;
 use crate::system::{Derivative, Evaluation, Parameter, Step, System, Unknown};
@@ -125,9 +126,26 @@ pub struct Effort {
     pub evaluations: usize,
     /// Steps of the Krylov iteration.
     pub krylov_steps: usize,
+    /// Evaluations of the law at all points that the residuals took: one for each sample of all periods.
+    pub law_evaluations: usize,
+    /// Products with the stuck structure's flexibility: one for each coefficient of the Fourier series of residuals and Krylov steps.
+    pub flexibility_products: usize,
 }
 
 impl Effort {
+    /// Counts a residual.
+    fn add_residual(&mut self, sampling: Sampling) {
+        self.evaluations += 1;
+        self.law_evaluations += sampling.samples * sampling.periods;
+        self.flexibility_products += 2 * sampling.harmonics + 1;
+    }
+
+    /// Counts Krylov steps.
+    fn add_krylov_steps(&mut self, steps: usize, sampling: Sampling) {
+        self.krylov_steps += steps;
+        self.flexibility_products += steps * (2 * sampling.harmonics + 1);
+    }
+
     /// Residuals and products with the Jacobian.
     pub(crate) fn products(&self) -> usize {
         self.evaluations + self.krylov_steps
@@ -139,6 +157,8 @@ impl std::ops::AddAssign for Effort {
         self.iterations += other.iterations;
         self.evaluations += other.evaluations;
         self.krylov_steps += other.krylov_steps;
+        self.law_evaluations += other.law_evaluations;
+        self.flexibility_products += other.flexibility_products;
     }
 }
 
@@ -394,7 +414,7 @@ pub(crate) fn solve<F: PointwiseForce>(
         (evaluation.norm().powi(2) + conditions).sqrt()
     };
     let mut evaluation = system.evaluate(unknown);
-    effort.evaluations += 1;
+    effort.add_residual(system.sampling());
     let (mut stalled, mut bold_steps) = (0, 0);
     let mut is_coarse = true;
     // The Jacobian of an iterate before, as long as its steps take enough off the residual: what was searched there need not be searched again.
@@ -468,7 +488,7 @@ pub(crate) fn solve<F: PointwiseForce>(
         start.scale(-1.0);
         let known = searched.searched();
         let solved = bordered.solve(start, searched, forcing);
-        effort.krylov_steps += searched.searched() - known;
+        effort.add_krylov_steps(searched.searched() - known, system.sampling());
         let Some(step) = solved else {
             jacobian = None;
             let stops = system.line().limits.stops();
@@ -490,7 +510,7 @@ pub(crate) fn solve<F: PointwiseForce>(
             trial.add(length, &step, closure.free);
             if trial.at(Parameter::Square) > 0.0 {
                 let next = system.evaluate(&trial);
-                effort.evaluations += 1;
+                effort.add_residual(system.sampling());
                 let conditions = (closure.conditions)(&trial, &next.inertia);
                 let found = merit(&next, &conditions, scale);
                 let is_better = best.as_ref().is_none_or(|(least, ..)| found < *least);

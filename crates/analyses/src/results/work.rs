@@ -1,9 +1,11 @@
 //! What the analyses of a run did, in numbers that their times go with.
 
 use crate::Run;
+use cqsma_solver::newton;
 use joints::progress::Stage;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::ops::AddAssign;
 
 /// What one stage did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -26,88 +28,50 @@ pub struct Work {
     pub bytes_read: u64,
 }
 
-/// Counts of a solver.
-struct Counts {
-    iterations: usize,
-    residuals: usize,
-    krylov_steps: usize,
-    factorisations: usize,
-}
-
-impl From<cqsma_solver::newton::Effort> for Counts {
-    fn from(effort: cqsma_solver::newton::Effort) -> Self {
-        Self {
-            iterations: effort.iterations,
-            residuals: effort.evaluations,
-            krylov_steps: effort.krylov_steps,
-            factorisations: effort.factorisations,
-        }
+impl AddAssign<newton::Effort> for Work {
+    fn add_assign(&mut self, effort: newton::Effort) {
+        self.iterations += effort.iterations;
+        self.residuals += effort.evaluations;
+        self.law_evaluations += effort.evaluations;
+        self.krylov_steps += effort.krylov_steps;
+        self.factorisations += effort.factorisations;
+        self.products += effort.evaluations + effort.krylov_steps;
     }
 }
 
-impl From<harmonic_balance::Effort> for Counts {
-    fn from(effort: harmonic_balance::Effort) -> Self {
-        Self {
-            iterations: effort.iterations,
-            residuals: effort.evaluations,
-            krylov_steps: effort.krylov_steps,
-            factorisations: 0,
-        }
-    }
-}
-
-impl Work {
-    /// Adds what a solver did, whose residuals take so many evaluations of the law and products each.
-    fn add(&mut self, counts: impl Into<Counts>, [evaluations, products]: [usize; 2]) {
-        let counts = counts.into();
-        self.iterations += counts.iterations;
-        self.residuals += counts.residuals;
-        self.law_evaluations += evaluations * counts.residuals;
-        self.krylov_steps += counts.krylov_steps;
-        self.factorisations += counts.factorisations;
-        self.products += products * (counts.residuals + counts.krylov_steps);
+impl AddAssign<harmonic_balance::Effort> for Work {
+    fn add_assign(&mut self, effort: harmonic_balance::Effort) {
+        self.iterations += effort.iterations;
+        self.residuals += effort.evaluations;
+        self.law_evaluations += effort.law_evaluations;
+        self.krylov_steps += effort.krylov_steps;
+        self.products += effort.flexibility_products;
     }
 }
 
 /// What the stages of a run did, by name; those that did nothing are left out.
 pub(super) fn of(run: &Run) -> BTreeMap<String, Work> {
-    let mut stages: BTreeMap<Stage, Work> = BTreeMap::new();
-    let mut add = |stage: Stage, counts: Counts, each: [usize; 2]| stages.entry(stage).or_default().add(counts, each);
-    let of_motion = |harmonics: usize, samples: usize| [samples, 2 * harmonics + 1];
+    let [mut loops, mut methods, mut epmc, mut forced] = [Work::default(); 4];
     for mode in &run.backbones {
-        for amplitude in &mode.amplitudes {
-            add(Stage::Backbone, amplitude.point.effort.into(), [1, 1]);
-        }
-        for point in mode.methods.iter().flat_map(|method| &method.points) {
-            add(Stage::Methods, point.effort.into(), [1, 1]);
-        }
-        let asked = run.scene.analyses.epmc.as_ref();
-        for (point, asked) in mode
-            .epmc
+        mode.amplitudes
             .iter()
-            .flat_map(|epmc| &epmc.points)
-            .zip(asked.into_iter().cycle())
-        {
-            let each = match &point.result {
-                Ok(motion) => {
-                    let sampling = motion.sampling;
-                    of_motion(sampling.harmonics, sampling.samples * sampling.periods)
-                }
-                Err(_) => of_motion(asked.harmonics, asked.samples * asked.periods),
-            };
-            add(Stage::Epmc, point.effort.into(), each);
-        }
+            .for_each(|amplitude| loops += amplitude.point.effort);
+        let points = mode.methods.iter().flat_map(|method| &method.points);
+        points.for_each(|point| methods += point.effort);
+        let points = mode.epmc.iter().flat_map(|found| &found.points);
+        points.for_each(|point| epmc += point.effort);
     }
-    if let Some(asked) = &run.scene.analyses.forced {
-        for level in run.vibration.forced.iter().flatten() {
-            let each = of_motion(asked.harmonics, asked.samples * crate::forced::PERIODS);
-            add(Stage::Forced, level.effort.into(), each);
-        }
-    }
-    let bytes = run.flexibility_bytes as u64;
-    let of_stage = |(stage, mut work): (Stage, Work)| {
-        work.bytes_read = bytes * work.products as u64;
-        (stage.name().to_owned(), work)
+    let levels = run.vibration.forced.iter().flatten();
+    levels.for_each(|level| forced += level.effort);
+    let stages = [
+        (Stage::Backbone, loops),
+        (Stage::Methods, methods),
+        (Stage::Epmc, epmc),
+        (Stage::Forced, forced),
+    ];
+    let of_stage = |(stage, work): (Stage, Work)| {
+        let bytes_read = run.flexibility_bytes as u64 * work.products as u64;
+        (stage.name().to_owned(), Work { bytes_read, ..work })
     };
     stages
         .into_iter()

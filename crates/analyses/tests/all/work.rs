@@ -66,3 +66,32 @@ fn loops_and_periodic_motions_take_as_much_work_as_they_did() {
     );
     assert_eq!(bytes_read % products as u64, 0);
 }
+
+/// Finer samples are tried until the error is small enough: each motion counts with its own.
+#[test]
+fn every_sampling_that_is_tried_counts_with_its_own_numbers() {
+    let scene = json!({
+        "units": { "length": "m", "mass": "kg", "time": "s" },
+        "structure": { "benchmark": "brake-reuss-beam" },
+        "model": { "element_order": "linear", "refinement": "quick" },
+        "interfaces": { "gap": "flat", "mu": 0.2, "law": { "friction": "lumped" } },
+        "analyses": {
+            "backbone": { "amplitudes": 0 },
+            "epmc": {
+                "modal_amplitudes": [3e-4], "harmonics": 1, "samples": 16,
+                "accuracy": { "frequency": 1e-5, "damping": 1e-2 },
+            },
+        },
+    });
+    let scene = Scene::from_value(scene, "here", "work", &BENCHMARKS).unwrap();
+    let found = run(&scene, &Options::default(), &Silent).unwrap();
+    let epmc = found.first().epmc.as_ref().unwrap();
+    let finest = epmc.points[0].result.as_ref().unwrap().sampling;
+    let work = Summary::new(&found, BTreeMap::new(), None).work["epmc"];
+    println!("{finest:?} {work:?}");
+    assert!(finest.samples > 16 && finest.harmonics > 1);
+    let each = [finest.samples * finest.periods, 2 * finest.harmonics + 1];
+    assert!(each[0] < work.law_evaluations && work.law_evaluations < each[0] * work.residuals);
+    assert!(work.products < each[1] * (work.residuals + work.krylov_steps));
+    assert!(work.products > 3 * (work.residuals + work.krylov_steps));
+}

@@ -1309,14 +1309,13 @@ fn back<const W: usize>(
     let (along_x, along_y) = (&mut along_x[..n], &mut along_y[..n]);
     let (of_n, of_begin_n) = (&mut of_n[..n], &mut of_begin_n[..n]);
     for c in 0..n {
-        let zero = [0.0; W];
-        let (mut w, mut x, mut y) = (zero, zero, zero);
+        let mut w = [0.0; W];
+        // Compared as a whole: a sum of them would be taken number by number here.
         let (mut closed, mut moving) = ([0_u64; W], [0_u64; W]);
         for i in 0..W {
             w[i] = u_n[c][i] - gap[c][i];
-            x[i] = memory_x[c][i] + du_x[c][i];
-            y[i] = memory_y[c][i] + du_y[c][i];
-            let moves = (n_0[c][i] < gap[c][i]) | !rests(w[i], [x[i], y[i]], reach[c][i]);
+            let x = [memory_x[c][i] + du_x[c][i], memory_y[c][i] + du_y[c][i]];
+            let moves = (n_0[c][i] < gap[c][i]) | !rests(w[i], x, reach[c][i]);
             closed[i] = u64::from(w[i] > 0.0);
             moving[i] = u64::from((w[i] > 0.0) & moves);
         }
