@@ -50,8 +50,8 @@ impl<S: Vector, R: Inner> ConjugateResiduals<S, R> {
         self.steps.len()
     }
 
-    /// Adds to `found`, which is zero, the step whose image is `rest`. `search` gives the next step for what is left, and its image, or nothing more. `None`
-    /// if `tolerance` (relative) is not reached.
+    /// Adds to `found` the step whose image is `rest`. `search` gives the next step for what is left, and its image, or nothing more. `None` if `tolerance`
+    /// (relative) is not reached.
     pub fn solve(
         &mut self,
         mut rest: R,
@@ -60,45 +60,60 @@ impl<S: Vector, R: Inner> ConjugateResiduals<S, R> {
         search: impl Fn(&R) -> Option<(S, R)>,
     ) -> Option<S> {
         let norm = rest.norm();
-        let mut along = Vec::with_capacity(self.images.len());
-        let take = |image: &R, rest: &mut R| {
-            let c = rest.dot(image);
-            rest.add(-c, image);
-            c
-        };
-        for image in &self.images {
-            along.push(take(image, &mut rest));
-        }
+        let mut along = self.take_known(&mut rest);
         while rest.norm() > tolerance * norm {
             if self.steps.len() >= self.most {
                 return None;
             }
-            let (step, mut image) = search(&rest)?;
-            let before = image.norm();
-            let mut mixture = vec![0.0; self.images.len()];
-            let mut length = before;
-            for _ in 0..2 {
-                for (known, c) in self.images.iter().zip(&mut mixture) {
-                    *c += take(known, &mut image);
-                }
-                let outside = image.norm();
-                let is_clean = outside > LOST * length;
-                length = outside;
-                if is_clean {
-                    break;
-                }
-            }
-            if !(length > f64::EPSILON * before && length.is_finite()) {
+            let (step, image) = search(&rest)?;
+            if !self.keep(step, image, f64::EPSILON) {
                 return None;
             }
-            image.scale(1.0 / length);
-            mixture.push(length);
-            along.push(take(&image, &mut rest));
-            self.steps.push(step);
-            self.images.push(image);
-            self.mixtures.push(mixture);
+            along.push(take(&self.images[along.len()], &mut rest));
         }
-        // The steps whose images are the orthonormal ones, backwards.
+        self.combine(along, &mut found);
+        Some(found)
+    }
+
+    /// Takes off `rest` what images of kept directions make of it, and adds their steps to `found`.
+    pub fn fit(&self, rest: &mut R, found: &mut S) {
+        let along = self.take_known(rest);
+        self.combine(along, found);
+    }
+
+    /// Keeps a step and its image, unless the image's part outside of those kept is not longer than `share` of it.
+    pub fn keep(&mut self, step: S, mut image: R, share: f64) -> bool {
+        let before = image.norm();
+        let mut mixture = vec![0.0; self.images.len()];
+        let mut length = before;
+        for _ in 0..2 {
+            for (known, c) in self.images.iter().zip(&mut mixture) {
+                *c += take(known, &mut image);
+            }
+            let outside = image.norm();
+            let is_clean = outside > LOST * length;
+            length = outside;
+            if is_clean {
+                break;
+            }
+        }
+        if !(length > share * before && length.is_finite()) {
+            return false;
+        }
+        image.scale(1.0 / length);
+        mixture.push(length);
+        self.steps.push(step);
+        self.images.push(image);
+        self.mixtures.push(mixture);
+        true
+    }
+
+    fn take_known(&self, rest: &mut R) -> Vec<f64> {
+        self.images.iter().map(|image| take(image, rest)).collect()
+    }
+
+    /// Adds the steps whose images are the orthonormal ones times `along`.
+    fn combine(&self, mut along: Vec<f64>, found: &mut S) {
         for at in (0..self.steps.len()).rev() {
             let mixture = &self.mixtures[at];
             let factor = along[at] / mixture[at];
@@ -107,8 +122,14 @@ impl<S: Vector, R: Inner> ConjugateResiduals<S, R> {
             }
             found.add(factor, &self.steps[at]);
         }
-        Some(found)
     }
+}
+
+/// Takes off `rest` its part along an image of unit length; how long that is.
+fn take<R: Inner>(image: &R, rest: &mut R) -> f64 {
+    let along = rest.dot(image);
+    rest.add(-along, image);
+    along
 }
 
 #[cfg(test)]

@@ -33,6 +33,8 @@ pub(crate) struct Contact<'a, F: PointwiseForce> {
     force: &'a F,
     state: &'a F::State,
     sampling: Sampling,
+    /// Samples of the first period that forces do without.
+    skipped: usize,
     /// Value of each column's function at each sample, `[sample][column]`.
     basis: Vec<f64>,
     /// Jump (m) and traction (Pa) at the static state.
@@ -122,12 +124,21 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
             force,
             state,
             sampling,
+            skipped: 0,
             basis,
             jump,
             traction: std::array::from_fn(|_| vec![0.0; n]),
         };
         contact.traction = contact.static_traction();
         contact
+    }
+
+    /// Goes from the static state to the middle of the first period, where another one follows: forces that lead to a solution need no more.
+    pub(crate) fn skip_half(mut self) -> Self {
+        if self.sampling.periods > 1 {
+            self.skipped = self.sampling.samples / 2;
+        }
+        self
     }
 
     fn static_traction(&self) -> [Vec<f64>; 3] {
@@ -392,7 +403,8 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
                 least.iter_mut().for_each(|field| field.fill(f64::INFINITY));
                 most.iter_mut().for_each(|field| field.fill(f64::NEG_INFINITY));
             }
-            for sample in 0..self.sampling.samples {
+            let skipped = if period == 1 { self.skipped } else { 0 };
+            for sample in skipped..self.sampling.samples {
                 self.place(jumps, sample, range, &mut batch);
                 self.advance(index, &mut batch, None);
                 for (traction, at_rest) in batch.traction.iter_mut().zip(&self.traction) {

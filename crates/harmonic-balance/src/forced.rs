@@ -260,6 +260,18 @@ pub(crate) struct Tangent {
     log_omega: f64,
     /// Of the force (N).
     force: f64,
+    /// Distance of the points that it was found from.
+    length: f64,
+}
+
+impl Tangent {
+    /// Goes along it.
+    fn lead(&self, way: f64, to: &mut Unknown) {
+        to.v.add(way, &self.v);
+        to.p.add(way, &self.p);
+        *to.at_mut(Parameter::Square) *= (2.0 * way * self.log_omega).exp();
+        *to.at_mut(Parameter::Force) += way * self.force;
+    }
 }
 
 impl<'a, 's, F: PointwiseForce> Tracer<'a, 's, F> {
@@ -303,6 +315,8 @@ impl<'a, 's, F: PointwiseForce> Tracer<'a, 's, F> {
         // The first step is one of the frequency alone.
         let mut step = FIRST;
         let mut tangent: Option<Tangent> = None;
+        // The one before it.
+        let mut earlier: Option<Tangent> = None;
         let mut ahead = direction;
         while points.len() < self.settings.max_points {
             let mut next = here.clone();
@@ -314,10 +328,13 @@ impl<'a, 's, F: PointwiseForce> Tracer<'a, 's, F> {
                     None
                 }
                 Some(tangent) => {
-                    next.v.add(step, &tangent.v);
-                    next.p.add(step, &tangent.p);
-                    *next.at_mut(Parameter::Square) *= (2.0 * step * tangent.log_omega).exp();
-                    *next.at_mut(Parameter::Force) += step * tangent.force;
+                    tangent.lead(step, &mut next);
+                    if let Some(earlier) = &earlier {
+                        // The parabola through the last three points.
+                        let bend = step * (step + tangent.length) / (earlier.length + tangent.length);
+                        tangent.lead(bend, &mut next);
+                        earlier.lead(-bend, &mut next);
+                    }
                     Some((next.clone(), tangent))
                 }
             };
@@ -347,6 +364,7 @@ impl<'a, 's, F: PointwiseForce> Tracer<'a, 's, F> {
                             }
                             .into());
                         };
+                        earlier = None;
                         ahead = before.log_omega.signum();
                         step = FIRST;
                     }
@@ -377,7 +395,7 @@ impl<'a, 's, F: PointwiseForce> Tracer<'a, 's, F> {
                     }
                     let easy = found.far <= EASY;
                     self.settle(&next.v);
-                    tangent = Some(self.secant(&here, &next, length));
+                    earlier = tangent.replace(self.secant(&here, &next, length));
                     here = next;
                     if easy {
                         step = (1.5 * step).min(1.0);
@@ -555,6 +573,7 @@ impl<'a, 's, F: PointwiseForce> Tracer<'a, 's, F> {
             p,
             log_omega: 0.5 * (to.at(Parameter::Square) / from.at(Parameter::Square)).ln() / length,
             force: (to.at(Parameter::Force) - from.at(Parameter::Force)) / length,
+            length,
         }
     }
 }

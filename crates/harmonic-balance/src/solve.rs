@@ -180,6 +180,17 @@ pub(crate) struct Closure<'c> {
     pub(crate) conditions: &'c dyn Fn(&Unknown, &Harmonics) -> Vec<Condition>,
 }
 
+/// Where a part of a step leads.
+struct Trial {
+    part: f64,
+    unknown: Unknown,
+    evaluation: Evaluation,
+    /// Of the conditions.
+    values: Vec<f64>,
+    /// Residual and conditions, in the energy norm.
+    size: f64,
+}
+
 /// A converged point.
 pub(crate) struct Converged {
     pub(crate) residual: f64,
@@ -203,6 +214,12 @@ const REUSED: f64 = 0.3;
 
 /// Most directions that are kept for right-hand sides that share a Jacobian.
 const MOST_SEARCHED: usize = 600;
+
+/// Steps made before whose change of the residual the next step makes use of.
+const MOST_SECANTS: usize = 6;
+
+/// A step whose change of the residual says less than this share of its own beside those of later ones is not used.
+const LEAST_NEWS: f64 = 1e-2;
 
 /// Directions, with what the bordered Jacobian makes of them.
 type Searched = ConjugateResiduals<Step, Direction>;
@@ -323,15 +340,28 @@ impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
         }
     }
 
-    /// The step that takes `start` away, with what was `searched` before at this Jacobian. `None` if `tolerance` (relative, in the energy norm) is not
-    /// reached.
-    fn solve(&self, start: Direction, searched: &mut Searched, tolerance: f64) -> Option<Step> {
-        let zero = || Harmonics::zeros(start.force.size(), start.force.count());
-        let none = Step {
+    /// A residual with the values of its conditions.
+    fn direction(&self, evaluation: &Evaluation, values: &[f64]) -> Direction {
+        Direction {
+            force: evaluation.residual.clone(),
+            response: evaluation.response.clone(),
+            conditions: values.iter().map(|value| value * self.scale).collect(),
+        }
+    }
+
+    /// The step that does nothing.
+    fn none(&self) -> Step {
+        let zero = || Harmonics::zeros(self.unknown.v.size(), self.unknown.v.count());
+        Step {
             v: zero(),
             p: zero(),
             parameters: vec![0.0; self.columns.len()],
-        };
+        }
+    }
+
+    /// `first` and the step that takes `start` away, with what was `searched` before at this Jacobian. `None` if `tolerance` (relative, in the energy norm) is
+    /// not reached.
+    fn solve(&self, start: Direction, first: Step, searched: &mut Searched, tolerance: f64) -> Option<Step> {
         let search = |rest: &Direction| {
             if self.system.line().limits.stops() {
                 return None;
@@ -340,7 +370,7 @@ impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
             let image = self.product(&step, &rest.conditions);
             Some((step, image))
         };
-        searched.solve(start, none, tolerance, search)
+        searched.solve(start, first, tolerance, search)
     }
 }
 
@@ -376,7 +406,13 @@ pub(crate) fn parameter_rates<F: PointwiseForce>(
     });
     // What was searched for one serves the next ones.
     let mut searched = Searched::new(MOST_SEARCHED);
-    let mut solve = |start| Some(bordered.solve(start, &mut searched, tolerance)?.parameters);
+    let mut solve = |start| {
+        Some(
+            bordered
+                .solve(start, bordered.none(), &mut searched, tolerance)?
+                .parameters,
+        )
+    };
     starts.map(&mut solve).collect()
 }
 
@@ -409,23 +445,27 @@ pub(crate) fn solve<F: PointwiseForce>(
 ) -> Result<Converged, Failure> {
     let mut history = Vec::new();
     let fail = |reason, history| Err(Failure { reason, history });
-    let merit = |evaluation: &Evaluation, conditions: &[Condition], scale: f64| {
-        let conditions: f64 = conditions.iter().map(|c| (c.value * scale).powi(2)).sum();
+    let merit = |evaluation: &Evaluation, values: &[f64], scale: f64| {
+        let conditions: f64 = values.iter().map(|value| (value * scale).powi(2)).sum();
         (evaluation.norm().powi(2) + conditions).sqrt()
     };
+    let values_of = |conditions: &[Condition]| -> Vec<f64> { conditions.iter().map(|c| c.value).collect() };
     let mut evaluation = system.evaluate(unknown);
     effort.add_residual(system.sampling());
     let (mut stalled, mut bold_steps) = (0, 0);
     let mut is_coarse = true;
     // The Jacobian of an iterate before, as long as its steps take enough off the residual: what was searched there need not be searched again.
     let mut jacobian: Option<(Bordered<'_, '_, F>, Searched)> = None;
+    // Steps and what they changed the residual by, the last one first: what an approximate Jacobian says wrong of them is put right.
+    let mut secants: Vec<(Step, Direction)> = Vec::new();
     loop {
         if unknown.at(Parameter::Square) <= 0.0 {
             return fail(Reason::NoFrequency, history);
         }
         let conditions = (closure.conditions)(unknown, &evaluation.inertia);
         let scale = system.scale(unknown);
-        let size = merit(&evaluation, &conditions, scale);
+        let values = values_of(&conditions);
+        let size = merit(&evaluation, &values, scale);
         history.push(size / scale);
         if !(size / scale).is_finite() {
             return fail(Reason::NotFinite, history);
@@ -467,7 +507,6 @@ pub(crate) fn solve<F: PointwiseForce>(
         } else {
             forcing
         };
-        let values: Vec<f64> = conditions.iter().map(|condition| condition.value).collect();
         let is_new = jacobian.is_none();
         if is_new {
             let derivative = match is_coarse {
@@ -480,16 +519,19 @@ pub(crate) fn solve<F: PointwiseForce>(
         let Some((bordered, searched)) = &mut jacobian else {
             return fail(Reason::LinearSolve, history);
         };
-        let mut start = Direction {
-            force: evaluation.residual.clone(),
-            response: evaluation.response.clone(),
-            conditions: values.iter().map(|value| value * bordered.scale).collect(),
-        };
+        let here = bordered.direction(&evaluation, &values);
+        let mut start = here.clone();
         start.scale(-1.0);
+        let mut first = bordered.none();
+        let mut past = Searched::new(MOST_SECANTS);
+        for (step, image) in &secants {
+            past.keep(step.clone(), image.clone(), LEAST_NEWS);
+        }
+        past.fit(&mut start, &mut first);
         let known = searched.searched();
-        let solved = bordered.solve(start, searched, forcing);
+        let solved = bordered.solve(start, first, searched, forcing);
         effort.add_krylov_steps(searched.searched() - known, system.sampling());
-        let Some(step) = solved else {
+        let Some(mut step) = solved else {
             jacobian = None;
             let stops = system.line().limits.stops();
             if !stops && (!is_new || is_coarse) {
@@ -502,37 +544,43 @@ pub(crate) fn solve<F: PointwiseForce>(
             };
             return fail(reason, history);
         };
-        let mut length = 1.0;
-        let mut best: Option<(f64, Unknown, Evaluation)> = None;
-        let mut whole: Option<(f64, Unknown, Evaluation)> = None;
+        let mut part = 1.0;
+        let mut best: Option<Trial> = None;
+        let mut whole: Option<Trial> = None;
         for halving in 0..=settings.max_halvings {
-            let mut trial = unknown.clone();
-            trial.add(length, &step, closure.free);
-            if trial.at(Parameter::Square) > 0.0 {
-                let next = system.evaluate(&trial);
+            let mut next = unknown.clone();
+            next.add(part, &step, closure.free);
+            if next.at(Parameter::Square) > 0.0 {
+                let evaluation = system.evaluate(&next);
                 effort.add_residual(system.sampling());
-                let conditions = (closure.conditions)(&trial, &next.inertia);
-                let found = merit(&next, &conditions, scale);
-                let is_better = best.as_ref().is_none_or(|(least, ..)| found < *least);
-                let is_enough = found <= (1.0 - 1e-4 * length) * size;
-                if found.is_finite() && halving == 0 && !is_enough {
-                    whole = Some((found, trial, next));
-                } else if found.is_finite() && is_better {
-                    best = Some((found, trial, next));
+                let values = values_of(&(closure.conditions)(&next, &evaluation.inertia));
+                let trial = Trial {
+                    part,
+                    unknown: next,
+                    size: merit(&evaluation, &values, scale),
+                    evaluation,
+                    values,
+                };
+                let is_better = best.as_ref().is_none_or(|best| trial.size < best.size);
+                let is_enough = trial.size <= (1.0 - 1e-4 * part) * size;
+                if trial.size.is_finite() && halving == 0 && !is_enough {
+                    whole = Some(trial);
+                } else if trial.size.is_finite() && is_better {
+                    best = Some(trial);
                 }
                 if is_enough {
                     break;
                 }
             }
-            length *= 0.5;
+            part *= 0.5;
         }
         // Where only short steps help, points stick, slip or lift off along the step: after the whole one they are as it says,
         // and from there the residual often falls at once. It is taken if it is not far worse, a few times.
-        let crawls = best.as_ref().is_none_or(|(found, ..)| *found > CRAWLING * size);
+        let crawls = best.as_ref().is_none_or(|best| best.size > CRAWLING * size);
         let whole_is_finite = whole.is_some();
-        let bold = whole.filter(|(found, ..)| crawls && bold_steps < MAX_BOLD && *found < WORST * size);
+        let bold = whole.filter(|whole| crawls && bold_steps < MAX_BOLD && whole.size < WORST * size);
         bold_steps += usize::from(bold.is_some());
-        let Some((found, next, next_evaluation)) = bold.or(best) else {
+        let Some(taken) = bold.or(best) else {
             return fail(
                 if whole_is_finite {
                     Reason::Stalled
@@ -542,16 +590,21 @@ pub(crate) fn solve<F: PointwiseForce>(
                 history,
             );
         };
-        if found > REUSED * size {
-            is_coarse &= found <= SLOW * size || !is_new;
+        let mut image = bordered.direction(&taken.evaluation, &taken.values);
+        image.add(-1.0, &here);
+        step.scale(taken.part);
+        secants.truncate(MOST_SECANTS - 1);
+        secants.insert(0, (step, image));
+        if taken.size > REUSED * size {
+            is_coarse &= taken.size <= SLOW * size || !is_new;
             jacobian = None;
         }
-        if found > 0.999 * size {
+        if taken.size > 0.999 * size {
             stalled += 1;
         } else {
             stalled = 0;
         }
-        *unknown = next;
-        evaluation = next_evaluation;
+        *unknown = taken.unknown;
+        evaluation = taken.evaluation;
     }
 }

@@ -210,7 +210,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         let omega = line.eigenvalues.iter().map(|lambda| lambda.max(0.0).sqrt());
         Self {
             contact: Contact::new(force, line.displacement(), line.state(), sampling),
-            coarse: Contact::new(force, line.displacement(), line.state(), coarser(sampling)),
+            coarse: Contact::new(force, line.displacement(), line.state(), coarser(sampling)).skip_half(),
             background: omega.map(|omega| 2.0 * background * omega).collect(),
             line,
             force,
@@ -242,7 +242,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
     pub(crate) fn resample(&mut self, sampling: Sampling) {
         if self.sampling != sampling {
             let contact = |sampling| Contact::new(self.force, self.line.displacement(), self.line.state(), sampling);
-            (self.contact, self.coarse) = (contact(sampling), contact(coarser(sampling)));
+            (self.contact, self.coarse) = (contact(sampling), contact(coarser(sampling)).skip_half());
             self.sampling = sampling;
         }
     }
