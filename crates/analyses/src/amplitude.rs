@@ -50,6 +50,17 @@ pub struct ConnectionLoop {
     pub coherence: f64,
 }
 
+/// What the loop of one amplitude did at each interface element, as means over its area.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ElementMotions {
+    /// Energy dissipated per area and cycle (J/m^2).
+    pub dissipation: Vec<f64>,
+    /// Largest tangential motion from the prestress (m).
+    pub sliding: Vec<f64>,
+    /// Largest change of the tangential traction from the prestress (Pa).
+    pub traction: Vec<f64>,
+}
+
 /// What the loop of one amplitude did at the interface.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LoopFields {
@@ -66,6 +77,9 @@ pub struct LoopFields {
     pub dissipation: f64,
     /// Largest tangential motion from the prestress over the loop (m).
     pub largest_sliding: f64,
+    /// What each element did; none where no random vibration is asked for.
+    #[serde(default)]
+    pub elements: Option<ElementMotions>,
     /// Half the range of the displacement at the response point over the loop (m); it differs from `q phi` by what moves
     /// outside the linearised mode.
     pub response_motion: f64,

@@ -320,6 +320,7 @@ impl<'a> Request<'a> {
             let stored = Stored {
                 elements,
                 displacement: estimates_mesh || (elements.is_some() && scene.output.deformed),
+                motions: scene.analyses.random.is_some(),
             };
             Watcher::new(
                 self.about.force.interface(),

@@ -52,7 +52,7 @@ mod walks;
 pub mod warnings;
 
 pub use adapted::run;
-pub use amplitude::{AmplitudeResult, ConnectionLoop, Fields, LoopFields};
+pub use amplitude::{AmplitudeResult, ConnectionLoop, ElementMotions, Fields, LoopFields};
 pub use connections::{Connection, point_positions};
 pub use deformed::Deformed;
 pub use element_loops::{ElementLoops, MOST_RECORDED, element_centres};

@@ -1,6 +1,6 @@
 //! Watches hysteresis loops at the quadrature points.
 
-use super::amplitude::{Fields, JointLoop, LoopFields};
+use super::amplitude::{ElementMotions, Fields, JointLoop, LoopFields};
 use super::connections::{Connection, Walked};
 use super::element_loops::ElementLoops;
 use super::walks::Walks;
@@ -52,6 +52,8 @@ pub(super) struct Stored<'a> {
     pub(super) elements: Option<&'a [usize]>,
     /// Whether the displacement at the positive peak is.
     pub(super) displacement: bool,
+    /// Whether the largest motion and traction of every element are.
+    pub(super) motions: bool,
 }
 
 /// Watches one loop at the quadrature points.
@@ -76,6 +78,8 @@ pub(super) struct Watcher<'a> {
     /// Of each interface, where there are several.
     joints: Vec<JointLoop>,
     largest_sliding: f64,
+    /// Largest tangential motion (m) and change of the tangential traction (Pa) of each point; none where they are not stored.
+    largest: Option<[Vec<f64>; 2]>,
     /// The workspace at the positive peak, if it is to be stored.
     at_peak: Option<Workspace>,
     /// Whether the displacement at the positive peak is stored, and the displacement.
@@ -115,6 +119,7 @@ impl<'a> Watcher<'a> {
             open_fraction: 0.0,
             joints: Vec::new(),
             largest_sliding: 0.0,
+            largest: stored.motions.then(Default::default),
             at_peak: None,
             stores_displacement: stored.displacement,
             displacement_at_peak: None,
@@ -136,6 +141,18 @@ impl<'a> Watcher<'a> {
             joint.dissipation = points.map(of_point).sum();
         }
         let connections = self.walked.close(weights, &flux);
+        let elements = self.largest.as_ref().map(|[sliding, traction]| {
+            let operators = self.interface.operators();
+            let [x, y, n] = &flux;
+            let all: Vec<f64> = x.iter().zip(y).zip(n).map(|((x, y), n)| x + y + n).collect();
+            let [dissipation, sliding, traction] =
+                [&all, sliding, traction].map(|field| operators.element_means(field));
+            ElementMotions {
+                dissipation,
+                sliding,
+                traction,
+            }
+        });
         LoopFields {
             slip_fraction: self.slip_fraction,
             open_fraction: self.open_fraction,
@@ -143,6 +160,7 @@ impl<'a> Watcher<'a> {
             connections,
             dissipation,
             largest_sliding: self.largest_sliding,
+            elements,
             response_motion: self.motion.half_range(),
             fields: self.at_peak.take().map(|peak| Fields {
                 jump: peak.jump,
@@ -163,6 +181,9 @@ impl LoopObserver<Workspace> for Watcher<'_> {
     fn begin(&mut self) {
         self.area = LoopArea::new(self.interface.operators().n_points());
         (self.peak, self.largest_sliding) = (f64::NEG_INFINITY, 0.0);
+        if let Some(largest) = &mut self.largest {
+            *largest = std::array::from_fn(|_| vec![0.0; self.interface.operators().n_points()]);
+        }
         self.motion.begin();
         self.path.clear();
         self.walked = Walked::new(self.connections);
@@ -187,7 +208,13 @@ impl LoopObserver<Workspace> for Watcher<'_> {
         }
         for p in 0..workspace.regime.len() {
             let slide = |c: usize| workspace.jump[c][p] - self.prestress.jump[c][p];
-            self.largest_sliding = self.largest_sliding.max(slide(0).hypot(slide(1)));
+            let sliding = slide(0).hypot(slide(1));
+            self.largest_sliding = self.largest_sliding.max(sliding);
+            if let Some([motions, tractions]) = &mut self.largest {
+                let change = |c: usize| workspace.traction[c][p] - self.prestress.traction[c][p];
+                motions[p] = motions[p].max(sliding);
+                tractions[p] = tractions[p].max(change(0).hypot(change(1)));
+            }
         }
         // The loop begins and ends at its positive peak; the end carries the regimes that led there.
         if modal_force >= self.peak {

@@ -115,10 +115,25 @@ pub struct RandomVibration {
     pub rms_sliding: f64,
     /// What each connection does, in the order of the run's.
     pub connections: Vec<RandomConnection>,
+    /// What each interface element does.
+    pub elements: RandomElements,
     /// Whether what is assumed holds.
     pub validity: RandomValidity,
     /// A motion in time under such a load, where it is asked for, or why there is none.
     pub in_time: Option<Result<InTime, String>>,
+}
+
+/// Interface elements in stationary random vibration, by the modes followed. The root mean squares are those of vibrations that reach, at each amplitude,
+/// the largest value that the loop of that amplitude has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RandomElements {
+    /// Mean power per area that friction takes (W/m^2). Between the amplitudes of the backbone each element is interpolated on its own: their sum, which would
+    /// differ by that, is brought to the power of the interfaces.
+    pub power: Vec<f64>,
+    /// Root of the mean square of the tangential motion (m).
+    pub sliding: Vec<f64>,
+    /// Root of the mean square of the change of the tangential traction (Pa).
+    pub traction: Vec<f64>,
 }
 
 /// A connection in stationary random vibration: motion and force are those along the direction of its loops.
@@ -281,6 +296,8 @@ struct Followed {
     sliding: Vec<f64>,
     /// Of each connection, over the square of the amplitude: squares of motion (1/kg) and force (N^2/(kg m^2)), and power (W/(kg m^2)).
     connections: Vec<[Vec<f64>; 3]>,
+    /// The same of each interface element and area: squares of motion (1/kg) and traction (Pa^2/(kg m^2)), and power (W/(kg m^4)).
+    elements: Vec<[Vec<f64>; 3]>,
     load: f64,
     response: f64,
 }
@@ -295,9 +312,13 @@ impl Followed {
         let background = of.background;
         let mut points: Vec<[f64; 3]> = Vec::new();
         let (mut power, mut sliding, mut motion) = (Vec::<Vec<f64>>::new(), Vec::new(), Vec::new());
-        let mut connections: Vec<[Vec<f64>; 3]> = Vec::new();
+        let (mut connections, mut elements) = (Vec::<[Vec<f64>; 3]>::new(), Vec::<[Vec<f64>; 3]>::new());
         for amplitude in &of.amplitudes {
             let (Ok(result), Some(fields)) = (&amplitude.point.result, &amplitude.fields) else {
+                continue;
+            };
+            // Stored with every amplitude of a scene that asks for random vibration.
+            let Some(motions) = &fields.elements else {
                 continue;
             };
             let (a, omega) = (result.modal_amplitude, result.harmonic_omega);
@@ -317,13 +338,23 @@ impl Followed {
                 [] => vec![rate * fields.dissipation],
                 joints => joints.iter().map(|joint| rate * joint.dissipation).collect(),
             });
-            connections.resize(fields.connections.len(), Default::default());
-            for (into, found) in connections.iter_mut().zip(&fields.connections) {
-                let [displacement, force] = [found.displacement, found.force].map(|half| (half / a).powi(2));
-                for (into, value) in into.iter_mut().zip([displacement, force, rate * found.dissipation]) {
-                    into.push(value);
+            let keep = |all: &mut Vec<[Vec<f64>; 3]>, found: &[[f64; 3]]| {
+                all.resize(found.len(), Default::default());
+                for (into, [motion, force, dissipation]) in all.iter_mut().zip(found) {
+                    let values = [(motion / a).powi(2), (force / a).powi(2), rate * dissipation];
+                    into.iter_mut().zip(values).for_each(|(into, value)| into.push(value));
                 }
-            }
+            };
+            let of_connections = fields
+                .connections
+                .iter()
+                .map(|c| [c.displacement, c.force, c.dissipation]);
+            keep(&mut connections, &of_connections.collect::<Vec<_>>());
+            let of_elements = motions.sliding.iter().zip(&motions.traction).zip(&motions.dissipation);
+            keep(
+                &mut elements,
+                &of_elements.map(|((m, t), d)| [*m, *t, *d]).collect::<Vec<_>>(),
+            );
             sliding.push((fields.largest_sliding / a).powi(2));
             motion.push((fields.response_motion / a).powi(2));
         }
@@ -346,6 +377,7 @@ impl Followed {
                 .collect(),
             sliding,
             connections,
+            elements,
             motion,
             load: along(&drive.row),
             response: along(about.response),
@@ -361,6 +393,8 @@ struct Vibrating {
     /// Flexibility of the response point under a slow load, and what of it the modes do not have; none where it was not found.
     slow: Option<[f64; 2]>,
     base: Option<Base>,
+    /// Areas of the interface elements (m^2).
+    areas: Vec<f64>,
     /// Rigid motions that the modes do not have.
     rigid_motions: usize,
     /// Whether modes that are not followed have no damping, and answer statically.
@@ -402,6 +436,12 @@ impl Vibrating {
             followed,
             linear,
             base: drive.base,
+            areas: {
+                let operators = about.force.interface().operators();
+                (0..operators.n_elements())
+                    .map(|element| operators.element_area(element))
+                    .collect()
+            },
             rigid_motions: about.vibrating.zem_stuck,
         })
     }
@@ -416,20 +456,24 @@ impl Vibrating {
         let mut power = vec![0.0; self.followed.first().map_or(0, |of| of.power.len())];
         let mut sliding = 0.0;
         // Mean squares of motion and force, and power.
-        let mut connections = vec![[0.0; 3]; self.followed.first().map_or(0, |of| of.connections.len())];
+        let zeros =
+            |of: fn(&Followed) -> &Vec<[Vec<f64>; 3]>| vec![[0.0; 3]; self.followed.first().map_or(0, |f| of(f).len())];
+        let (mut connections, mut elements) = (zeros(|of| &of.connections), zeros(|of| &of.elements));
         for of in &self.followed {
             let equivalent = of.curve.stationary(load(of.load), &spectrum);
             let square = equivalent.sigma * equivalent.sigma;
+            let mean = of.curve.means(equivalent.white);
             for (sum, values) in power.iter_mut().zip(&of.power) {
-                *sum += 2.0 * square * of.curve.mean(values, equivalent.white);
+                *sum += 2.0 * square * mean(values);
             }
-            sliding += square * of.curve.mean(&of.sliding, equivalent.white);
-            for (sums, values) in connections.iter_mut().zip(&of.connections) {
+            sliding += square * mean(&of.sliding);
+            let of_connections = connections.iter_mut().zip(&of.connections);
+            for (sums, values) in of_connections.chain(elements.iter_mut().zip(&of.elements)) {
                 for ((sum, values), times) in sums.iter_mut().zip(values).zip([1.0, 1.0, 2.0]) {
-                    *sum += times * square * of.curve.mean(values, equivalent.white);
+                    *sum += times * square * mean(values);
                 }
             }
-            let response = of.curve.mean(&of.motion, equivalent.white).sqrt().copysign(of.response);
+            let response = mean(&of.motion).sqrt().copysign(of.response);
             modes.push(RandomMode {
                 mode: of.mode + 1,
                 follows_backbone: true,
@@ -442,6 +486,15 @@ impl Vibrating {
                 load: load(of.load),
                 response,
             });
+        }
+        let of_elements: f64 = elements
+            .iter()
+            .zip(&self.areas)
+            .map(|([.., power], area)| power * area)
+            .sum();
+        if of_elements > 0.0 {
+            let factor = power.iter().sum::<f64>() / of_elements;
+            elements.iter_mut().for_each(|[.., power]| *power *= factor);
         }
         for (mode, oscillator) in &self.linear {
             let oscillator = Oscillator {
@@ -485,6 +538,11 @@ impl Vibrating {
                     power,
                 })
                 .collect(),
+            elements: RandomElements {
+                sliding: elements.iter().map(|[motion, ..]| motion.sqrt()).collect(),
+                traction: elements.iter().map(|[_, traction, _]| traction.sqrt()).collect(),
+                power: elements.iter().map(|[.., power]| *power).collect(),
+            },
             validity: self.validity(&modes, &spectrum),
             in_time: None,
             modes,

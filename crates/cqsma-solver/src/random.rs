@@ -411,17 +411,17 @@ impl AmplitudeCurve {
         (sum[1] / sum[0], weights)
     }
 
-    /// `E[v(a) a^2] / E[a^2]` of values at the amplitudes, under white noise of this density (which may be zero) as [`Equivalent::white`] says:
-    /// interpolated along the logarithm of the amplitude, in their own logarithms where they are positive, and constant beyond the ends.
-    ///
-    /// # Panics
-    /// On another number of values than of amplitudes.
-    pub fn mean(&self, values: &[f64], white: f64) -> f64 {
-        assert_eq!(values.len(), self.logs.len(), "one value for each amplitude");
-        if white == 0.0 {
-            return values[0];
+    /// What gives `E[v(a) a^2] / E[a^2]` of values at the amplitudes, under white noise of this density (which may be zero) as [`Equivalent::white`] says:
+    /// interpolated along the logarithm of the amplitude, in their own logarithms where they are positive, and constant beyond the ends. It panics on
+    /// another number of values than of amplitudes.
+    pub fn means(&self, white: f64) -> impl Fn(&[f64]) -> f64 {
+        let weights = (white > 0.0).then(|| self.shares(white).1);
+        move |values| {
+            assert_eq!(values.len(), self.logs.len(), "one value for each amplitude");
+            weights
+                .as_ref()
+                .map_or(values[0], |weights| self.weighted(values, weights))
         }
-        self.weighted(values, &self.shares(white).1)
     }
 
     fn weighted(&self, values: &[f64], weights: &[f64]) -> f64 {

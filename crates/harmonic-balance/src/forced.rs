@@ -335,6 +335,8 @@ impl<'a, 's, F: PointwiseForce> Tracer<'a, 's, F> {
                         tangent.lead(bend, &mut next);
                         earlier.lead(-bend, &mut next);
                     }
+                    // Its round-off would grow from prediction to prediction.
+                    self.system.restore(&mut next);
                     Some((next.clone(), tangent))
                 }
             };

@@ -2,11 +2,13 @@
 
 use crate::analysis::{Analysis, Document, Section};
 use crate::csv::{number, table};
+use crate::fields::{CellField, Placed, vtu};
 use crate::html::{MISSING, Picture, Table};
 use crate::motions::{shade, short};
 use crate::plot::{Curve, Marks, Panel, amplitude_label, power, stack};
-use crate::{Error, Output};
-use analyses::random::{RandomModeSummary, RandomSummary};
+use crate::{Error, Output, map};
+use analyses::Run;
+use analyses::random::{RandomModeSummary, RandomSummary, RandomVibration};
 use analyses::results::summary::Summary;
 use plotters::chart::SeriesLabelPosition;
 use std::fmt::Write;
@@ -20,12 +22,20 @@ pub const DENSITIES: &str = "random-psd.csv";
 /// Name of the picture of the densities.
 pub const RANDOM_PICTURE: &str = "random.svg";
 
+/// Name of the interface file of a level, counted from 1.
+fn level_file(number: usize) -> String {
+    format!("interface-random-{number:02}.vtu")
+}
+
 /// Densities below this share of the largest are not drawn.
 const LEAST: f64 = 1e-8;
 
 pub(crate) static ANALYSIS: Analysis = Analysis {
-    writes: |name| [RANDOM, DENSITIES, RANDOM_PICTURE].contains(&name),
-    document: |_, summary| {
+    writes: |name| {
+        let is_level = name.starts_with("interface-random-") && name.ends_with(".vtu");
+        is_level || [RANDOM, DENSITIES, RANDOM_PICTURE].contains(&name)
+    },
+    document: |run, summary| {
         if summary.random.is_empty() && summary.random_failure.is_none() {
             return Ok(None);
         }
@@ -43,7 +53,16 @@ pub(crate) static ANALYSIS: Analysis = Analysis {
             outputs.push(Output::new(RANDOM_PICTURE, svg.clone()));
             drawn = Some(svg);
         }
-        let section = Some(section(summary, drawn));
+        for (number, level) in found(run).iter().enumerate() {
+            let elements = &level.elements;
+            let cells = vec![
+                CellField::scalar("friction_power [W/m^2]", elements.power.clone()),
+                CellField::scalar("rms_tangential_motion [m]", elements.sliding.clone()),
+                CellField::scalar("rms_tangential_traction_change [Pa]", elements.traction.clone()),
+            ];
+            outputs.push(Output::new(level_file(number + 1), vtu(run.into(), cells)?));
+        }
+        let section = Some(section(run, summary, drawn));
         Ok(Some(Document { outputs, section }))
     },
     lines: |summary| {
@@ -55,6 +74,14 @@ pub(crate) static ANALYSIS: Analysis = Analysis {
         summary.random_failure.is_none() && summary.random.iter().all(|level| level.in_time_failure.is_none())
     },
 };
+
+/// The levels of a run.
+fn found(run: &Run) -> &[RandomVibration] {
+    match &run.vibration.random {
+        Some(Ok(levels)) => levels,
+        _ => &[],
+    }
+}
 
 /// A row per level and mode.
 fn csv(levels: &[RandomSummary]) -> Result<String, Error> {
@@ -157,8 +184,28 @@ fn picture(levels: &[RandomSummary]) -> Result<String, Error> {
     stack("frequency [Hz]", true, panels)
 }
 
+/// Where friction takes power at the highest level; nothing to draw of points of contact.
+fn power_map(run: &Run) -> Option<Picture<'static>> {
+    let highest = found(run).iter().max_by(|a, b| a.level.total_cmp(&b.level));
+    let highest = highest.filter(|level| level.level > 0.0 && !run.joint.mesh.is_of_points())?;
+    Some(Picture {
+        svg: map::svg(
+            run.into(),
+            &highest.elements.power,
+            "mean power of friction per area",
+            "W/m²",
+        )
+        .into(),
+        caption: format!(
+            "Mean power that friction takes at level {}, means over the elements; {}.",
+            short(highest.level),
+            Placed::from(run).view()
+        ),
+    })
+}
+
 /// What the page says.
-fn section(summary: &Summary, picture: Option<String>) -> Section {
+fn section(run: &Run, summary: &Summary, picture: Option<String>) -> Section {
     let levels = summary.random.as_slice();
     let failure = summary.random_failure.iter();
     let failure = failure.map(|reason| format!("There is no stationary random vibration: {reason}."));
@@ -207,6 +254,7 @@ fn section(summary: &Summary, picture: Option<String>) -> Section {
                     amplitude_label(&summary.response)
                 ),
             })
+            .chain(power_map(run))
             .collect(),
         tables: match levels {
             [] => Vec::new(),

@@ -213,8 +213,18 @@ impl Operators {
     /// If there is no such element, or the field ends before its points.
     pub fn element_mean(&self, element: usize, field: &[f64]) -> f64 {
         let points = self.first_point[element]..self.first_point[element + 1];
-        let area: f64 = self.weights[points.clone()].iter().sum();
-        points.map(|p| self.weights[p] * field[p]).sum::<f64>() / area
+        let integral: f64 = points.map(|p| self.weights[p] * field[p]).sum();
+        integral / self.element_area(element)
+    }
+
+    /// Area of an element (m^2).
+    ///
+    /// # Panics
+    /// If there is no such element.
+    pub fn element_area(&self, element: usize) -> f64 {
+        self.weights[self.first_point[element]..self.first_point[element + 1]]
+            .iter()
+            .sum()
     }
 
     /// The point of each element that is closest to its centre of area: the centre itself where the rule has a point there.

@@ -234,6 +234,30 @@ fn a_clamped_structure_follows_its_base_at_low_frequencies_and_swings_as_a_rando
     };
     assert!((connection.dissipated_power / large.dissipated_power - 1.0).abs() < 1e-9);
     assert!(connection.rms_displacement > 0.0 && connection.rms_displacement <= large.rms_sliding);
+    // So is it in the elements, which move less than the farthest of their points.
+    let Some(Ok(levels)) = &found.vibration.random else {
+        panic!("{:?}", found.vibration.random)
+    };
+    let operators = found.interface.operators();
+    let of_elements = &levels[2].elements;
+    let of_element = |(element, power): (usize, &f64)| power * operators.element_area(element);
+    let all: f64 = of_elements.power.iter().enumerate().map(of_element).sum();
+    assert!(
+        (all / large.dissipated_power - 1.0).abs() < 1e-9,
+        "{all:e} {:e}",
+        large.dissipated_power
+    );
+    let farthest = of_elements.sliding.iter().copied().fold(0.0, f64::max);
+    assert!(farthest > 0.1 * large.rms_sliding && farthest <= large.rms_sliding);
+    assert!(of_elements.traction.iter().all(|rms| *rms > 0.0));
+    assert!(
+        levels[0]
+            .elements
+            .power
+            .iter()
+            .chain(&levels[0].elements.sliding)
+            .all(|value| *value == 0.0)
+    );
     // Where nothing slips, force and motion are those of a small loop.
     let small = &document.random[1].connections[0];
     let loops = &document.backbone[0].connections[0];
