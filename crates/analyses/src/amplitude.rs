@@ -78,7 +78,6 @@ pub struct LoopFields {
     /// Largest tangential motion from the prestress over the loop (m).
     pub largest_sliding: f64,
     /// What each element did; none where no random vibration is asked for.
-    #[serde(default)]
     pub elements: Option<ElementMotions>,
     /// Half the range of the displacement at the response point over the loop (m); it differs from `q phi` by what moves
     /// outside the linearised mode.

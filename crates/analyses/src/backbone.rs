@@ -39,7 +39,7 @@ const FREE_OF_INERTIA: f64 = 1e-9;
 const EPMC_AMPLITUDES: usize = 20;
 
 /// Changes whenever [`LoopFields`] holds something else, so that lines of another layout are not taken for finished amplitudes.
-const LAYOUT: u64 = 6;
+const LAYOUT: u64 = 7;
 
 /// What came of an amplitude.
 type Loop = (BackbonePoint, Option<LoopFields>);
@@ -262,7 +262,8 @@ impl<'a> Request<'a> {
         key.numbers(self.about.line.displacement().iter().copied());
         key.numbers(shape.iter().copied());
         key.numbers(forces.iter().copied());
-        key.integers([LAYOUT, u64::from(self.walks.is_some())]);
+        let random = self.about.scene.analyses.random.is_some();
+        key.integers([LAYOUT, u64::from(self.walks.is_some()), u64::from(random)]);
         let finished = Finished::open(directory, "loops", &key.finish());
         let (found, all) = (finished.n_finished(), forces.len());
         if found > 0 {

@@ -172,6 +172,14 @@ mod tests {
         }
         // Three directions span the space.
         assert_eq!(counted.get(), 3);
+        // What is known of a right-hand side needs no search, and says nothing new.
+        let (mut rest, mut found) = (vec![2.0, -1.0, 0.5], vec![0.0; 3]);
+        solver.fit(&mut rest, &mut found);
+        assert!(rest.norm() < 1e-12);
+        for (a, b) in product(&found).iter().zip([2.0, -1.0, 0.5]) {
+            assert!((a - b).abs() < 1e-12, "{found:?}");
+        }
+        assert!(!solver.keep(found.clone(), product(&found), 1e-9));
         let mut short = ConjugateResiduals::new(1);
         assert!(short.solve(vec![1.0, 2.0, 3.0], vec![0.0; 3], 1e-13, search).is_none());
     }
