@@ -1070,8 +1070,9 @@ fn instances_cost_in_proportion_to_their_number() {
         });
         times.min().unwrap() as f64
     };
-    let ratio = cost(8000) / cost(2000);
-    assert!(ratio < 8.0, "four times the instances cost {ratio:.1} times as much");
+    // Squares would be 64; what falls out of the processor's caches costs a factor of two.
+    let ratio = cost(16_000) / cost(2000);
+    assert!(ratio < 28.0, "eight times the instances cost {ratio:.1} times as much");
 }
 
 /// Three blocks of different cells with everything that an assembly may hold.
