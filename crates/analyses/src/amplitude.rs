@@ -51,7 +51,7 @@ pub struct ConnectionLoop {
 }
 
 /// What the loop of one amplitude did at each interface element, as means over its area.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ElementMotions {
     /// Energy dissipated per area and cycle (J/m^2).
     pub dissipation: Vec<f64>,

@@ -127,8 +127,8 @@ impl Linearised<'_> {
             .map(|points| points.iter().map(|p| p - 1).collect());
         let wanted: Vec<usize> = wanted.unwrap_or_else(|| {
             let flux = interface::dissipation(self.line, self.force, &last.displacement, last.sampling);
-            let total = |point: usize| flux.iter().map(|f| f[point]).sum::<f64>();
-            let most = (0..flux[0].len()).max_by(|a, b| total(*a).total_cmp(&total(*b)));
+            let total = zte_assembly::flux::total(&flux);
+            let most = (0..total.len()).max_by(|a, b| total[*a].total_cmp(&total[*b]));
             most.into_iter().collect()
         });
         let mut chosen: Vec<usize> = [motions.len() / 2, 3 * motions.len() / 4, motions.len() - 1].into();

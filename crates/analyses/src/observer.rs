@@ -7,7 +7,7 @@ use super::walks::Walks;
 use contact_laws::Regime;
 use cqsma_solver::{BackbonePoint, LoopObserver};
 use std::ops::{ControlFlow, Range};
-use zte_assembly::flux::LoopArea;
+use zte_assembly::flux::{self, LoopArea};
 use zte_assembly::{Interface, Workspace};
 
 /// Hears of a finished amplitude: its place in the backbone, the loop, and what it did at the interface.
@@ -143,14 +143,10 @@ impl<'a> Watcher<'a> {
         let connections = self.walked.close(weights, &flux);
         let elements = self.largest.as_ref().map(|[sliding, traction]| {
             let operators = self.interface.operators();
-            let [x, y, n] = &flux;
-            let all: Vec<f64> = x.iter().zip(y).zip(n).map(|((x, y), n)| x + y + n).collect();
-            let [dissipation, sliding, traction] =
-                [&all, sliding, traction].map(|field| operators.element_means(field));
             ElementMotions {
-                dissipation,
-                sliding,
-                traction,
+                dissipation: operators.element_means(&flux::total(&flux)),
+                sliding: operators.element_means(sliding),
+                traction: operators.element_means(traction),
             }
         });
         LoopFields {

@@ -125,7 +125,7 @@ pub struct RandomVibration {
 
 /// Interface elements in stationary random vibration, by the modes followed. The root mean squares are those of vibrations that reach, at each amplitude,
 /// the largest value that the loop of that amplitude has.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RandomElements {
     /// Mean power per area that friction takes (W/m^2). Between the amplitudes of the backbone each element is interpolated on its own: their sum, which would
     /// differ by that, is brought to the power of the interfaces.
@@ -338,23 +338,14 @@ impl Followed {
                 [] => vec![rate * fields.dissipation],
                 joints => joints.iter().map(|joint| rate * joint.dissipation).collect(),
             });
-            let keep = |all: &mut Vec<[Vec<f64>; 3]>, found: &[[f64; 3]]| {
-                all.resize(found.len(), Default::default());
-                for (into, [motion, force, dissipation]) in all.iter_mut().zip(found) {
-                    let values = [(motion / a).powi(2), (force / a).powi(2), rate * dissipation];
-                    into.iter_mut().zip(values).for_each(|(into, value)| into.push(value));
-                }
+            let over = |[motion, force, dissipation]: [f64; 3]| {
+                [(motion / a).powi(2), (force / a).powi(2), rate * dissipation]
             };
-            let of_connections = fields
-                .connections
-                .iter()
-                .map(|c| [c.displacement, c.force, c.dissipation]);
-            keep(&mut connections, &of_connections.collect::<Vec<_>>());
+            let of_connections = fields.connections.iter();
+            let of_connections = of_connections.map(|c| over([c.displacement, c.force, c.dissipation]));
+            keep(&mut connections, of_connections);
             let of_elements = motions.sliding.iter().zip(&motions.traction).zip(&motions.dissipation);
-            keep(
-                &mut elements,
-                &of_elements.map(|((m, t), d)| [*m, *t, *d]).collect::<Vec<_>>(),
-            );
+            keep(&mut elements, of_elements.map(|((m, t), d)| over([*m, *t, *d])));
             sliding.push((fields.largest_sliding / a).powi(2));
             motion.push((fields.response_motion / a).powi(2));
         }
@@ -382,6 +373,14 @@ impl Followed {
             load: along(&drive.row),
             response: along(about.response),
         })
+    }
+}
+
+/// Appends what was found at an amplitude to the lists of each place.
+fn keep(lists: &mut Vec<[Vec<f64>; 3]>, found: impl ExactSizeIterator<Item = [f64; 3]>) {
+    lists.resize(found.len(), Default::default());
+    for (lists, values) in lists.iter_mut().zip(found) {
+        lists.iter_mut().zip(values).for_each(|(list, value)| list.push(value));
     }
 }
 

@@ -133,7 +133,7 @@ pub(crate) struct System<'a, F: PointwiseForce> {
     line: &'a Linearisation<'a, F::State>,
     force: &'a F,
     contact: Contact<'a, F>,
-    /// The same at fewer samples.
+    /// The same at fewer samples, from the middle of the first period on.
     coarse: Contact<'a, F>,
     mass: Packed<'a>,
     /// `M phi_k`, `n x n_modes`.
@@ -443,7 +443,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         self.contact.growing_derivative(motion, change, growth)
     }
 
-    /// The same from fewer samples.
+    /// The same from fewer samples, and from the middle of the first period on.
     pub(crate) fn coarse_forces(&self, motion: &Harmonics) -> Harmonics {
         self.coarse.forces(motion).force
     }

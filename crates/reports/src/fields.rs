@@ -5,7 +5,7 @@ use analyses::{Fields, Run};
 use contact_laws::Regime;
 use finite_elements::formats::vtu::{self, Encoding, Field};
 use finite_elements::mesh::Face;
-use zte_assembly::InterfaceMesh;
+use zte_assembly::{InterfaceMesh, flux};
 
 /// An interface and where it lies.
 #[derive(Clone, Copy, Debug)]
@@ -184,9 +184,7 @@ pub fn collection(files: &[(f64, String)]) -> String {
 
 /// Dissipation per area and cycle over all directions (J/m^2), per element.
 pub fn total_flux(run: &Run, fields: &Fields) -> Vec<f64> {
-    let [x, y, n] = &fields.flux;
-    let total: Vec<f64> = x.iter().zip(y).zip(n).map(|((x, y), n)| x + y + n).collect();
-    run.interface.operators().element_means(&total)
+    run.interface.operators().element_means(&flux::total(&fields.flux))
 }
 
 /// Pressure (Pa), per element.

@@ -57,6 +57,11 @@ impl LoopArea {
     }
 }
 
+/// Sum of a flux over its components, one value per point.
+pub fn total([x, y, n]: &[Vec<f64>; 3]) -> Vec<f64> {
+    x.iter().zip(y).zip(n).map(|((x, y), n)| x + y + n).collect()
+}
+
 /// Trapezoidal work `(t_a + t_b)/2 (u_b - u_a)` of the edge from `a` to the given jump and traction, tractions relative
 /// to `origin`.
 fn add_edge(area: &mut [Vec<f64>; 3], origin: &Vertex, a: &Vertex, jump: &[Vec<f64>; 3], traction: &[Vec<f64>; 3]) {
