@@ -59,8 +59,16 @@ pub enum Error {
         /// The unit.
         unit: String,
     },
+    /// A unit that is not one of force.
+    #[error("{at}: the unit `{unit}` is none of force; state it as `N`, `mN`, `kN`, `lbf`, or with a factor, `2.5 N`")]
+    UnknownForceUnit {
+        /// File and channel, or where the unit was given.
+        at: String,
+        /// The unit.
+        unit: String,
+    },
     /// The file states no unit, and none was given.
-    #[error("{at}: the file states no unit; give it, for example `m/s^2` or `g`")]
+    #[error("{at}: the file states no unit; give it, for example `m/s^2` or `g`, or `N` for a force")]
     NoUnit {
         /// File and channel.
         at: String,
@@ -228,6 +236,17 @@ pub enum Error {
         /// Cycles needed.
         needed: f64,
     },
+    /// A record that is no sweep in one direction.
+    #[error(
+        "{at}: {what}. A swept-sine record has a force and a response that were taken together, whose frequency rises or falls \
+         throughout; cut the record to one sweep, or choose other channels"
+    )]
+    NoSweep {
+        /// File and channel.
+        at: String,
+        /// What is wrong.
+        what: String,
+    },
     /// Backbones of different quantities, or none.
     #[error("{what}; average backbones of one quantity, at least one, with at least two points each")]
     Average {
@@ -303,6 +322,11 @@ pub enum Warning {
         /// Its peak in the spectrum over that of the mode, after the filter.
         ratio: f64,
     },
+    /// The response of a sweep was not held.
+    NotHeld {
+        /// Largest difference of an amplitude from the mean, relative.
+        apart: f64,
+    },
     /// The second method could not be applied.
     NoCrossCheck,
     /// The second method disagrees.
@@ -349,6 +373,11 @@ impl fmt::Display for Warning {
             Self::OtherMode { frequency, ratio } => write!(
                 f,
                 "another mode at about {frequency:.2} Hz shows in the band with {ratio:.4} times the height"
+            ),
+            Self::NotHeld { apart } => write!(
+                f,
+                "the response differs by up to {:.1} % from its mean; a mode whose frequency or damping depends on amplitude needs a response that is held",
+                100.0 * apart
             ),
             Self::NoCrossCheck => write!(f, "too short for the second method; nothing confirms the result"),
             Self::CrossCheckDiffers { frequency, damping } => write!(

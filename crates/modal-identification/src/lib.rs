@@ -10,6 +10,7 @@
 //! | [`backbone`] | the identification of one hit, with the rules for its ends |
 //! | [`hilbert`] | a second method on the same signal, for the difference |
 //! | [`stepped_sine`] | tests at controlled response and at phase resonance: a mode for each level |
+//! | [`swept_sine`] | records of sweeps at controlled response: the steps that they pass |
 //! | [`average`] | several hits: mean and spread |
 //! | [`spectrum`] | where the mode is |
 //! | [`synthetic`] | ring-downs of known frequency and damping, for tests |
@@ -35,6 +36,7 @@ pub mod signal;
 pub mod smoothing;
 pub mod spectrum;
 pub mod stepped_sine;
+pub mod swept_sine;
 pub mod synthetic;
 mod track;
 

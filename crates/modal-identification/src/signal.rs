@@ -9,6 +9,9 @@ use crate::{Error, Warning};
 /// Acceleration of free fall (m/s^2), exact by definition.
 const STANDARD_GRAVITY: f64 = 9.80665;
 
+/// Weight of a pound (N), exact by definition.
+const POUND_FORCE: f64 = 4.448_221_615_260_5;
+
 /// Fewer samples are no signal.
 const SHORTEST: usize = 16;
 
@@ -74,11 +77,7 @@ impl FromStr for Unit {
             at: "unit".into(),
             unit: text.into(),
         };
-        let trimmed = text.trim();
-        let (factor, symbol) = match trimmed.split_once(char::is_whitespace) {
-            Some((factor, symbol)) => (factor.parse().map_err(|_| refused())?, symbol),
-            None => (1.0_f64, trimmed),
-        };
+        let (factor, symbol) = factored(text).ok_or_else(refused)?;
         let symbol = symbol.to_lowercase().replace(char::is_whitespace, "");
         let symbol = symbol.replace("**", "^").replace('²', "^2").replace(['µ', 'μ'], "u");
         let (length, rate) = symbol.split_once('/').unwrap_or((&symbol, ""));
@@ -106,6 +105,92 @@ impl FromStr for Unit {
             return Err(refused());
         }
         Ok(Self { quantity, scale })
+    }
+}
+
+/// A unit of force: `N`, `mN`, `kN` or `lbf`; a number in front is a factor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForceUnit {
+    /// Its size (N).
+    pub scale: f64,
+}
+
+impl FromStr for ForceUnit {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let refused = || Error::UnknownForceUnit {
+            at: "unit".into(),
+            unit: text.into(),
+        };
+        let (factor, symbol) = factored(text).ok_or_else(refused)?;
+        let size = match symbol.trim() {
+            "N" => 1.0,
+            "mN" => 1e-3,
+            "kN" => 1e3,
+            "lbf" => POUND_FORCE,
+            _ => return Err(refused()),
+        };
+        let scale = factor * size;
+        match scale > 0.0 && scale.is_finite() {
+            true => Ok(Self { scale }),
+            false => Err(refused()),
+        }
+    }
+}
+
+/// The number in front of a unit, and the unit.
+fn factored(text: &str) -> Option<(f64, &str)> {
+    let text = text.trim();
+    match text.split_once(char::is_whitespace) {
+        Some((factor, symbol)) => Some((factor.parse().ok()?, symbol)),
+        None => Some((1.0, text)),
+    }
+}
+
+/// What a channel may be in.
+trait Physical: Copy + PartialEq + FromStr {
+    /// Its size in SI units.
+    fn scale(&self) -> f64;
+
+    /// The SI unit.
+    fn symbol(&self) -> &'static str;
+
+    /// A text that is no such unit.
+    fn unknown(at: &str, unit: &str) -> Error;
+}
+
+impl Physical for Unit {
+    fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    fn symbol(&self) -> &'static str {
+        self.quantity.unit()
+    }
+
+    fn unknown(at: &str, unit: &str) -> Error {
+        Error::UnknownUnit {
+            at: at.into(),
+            unit: unit.into(),
+        }
+    }
+}
+
+impl Physical for ForceUnit {
+    fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    fn symbol(&self) -> &'static str {
+        "N"
+    }
+
+    fn unknown(at: &str, unit: &str) -> Error {
+        Error::UnknownForceUnit {
+            at: at.into(),
+            unit: unit.into(),
+        }
     }
 }
 
@@ -177,6 +262,63 @@ impl Signal {
     /// [`Error::NoUnit`], [`Error::UnknownUnit`], [`Error::ConflictingUnit`], [`Error::NoSampleRate`],
     /// [`Error::ConflictingSampleRate`], [`Error::BadSampleRate`].
     pub fn try_new(file: &str, channel: &Channel, stated: &Stated) -> Result<(Self, Vec<Warning>), Error> {
+        let checked = Checked::<Unit>::try_new(file, channel, stated)?;
+        let signal = Self {
+            at: checked.at,
+            quantity: checked.unit.quantity,
+            sample_rate: checked.sample_rate,
+            samples: checked.samples,
+            last_clipped: checked.last_clipped,
+        };
+        Ok((signal, checked.warnings))
+    }
+
+    /// Length (s).
+    pub fn duration(&self) -> f64 {
+        self.samples.len() as f64 / self.sample_rate
+    }
+}
+
+/// A force over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Force {
+    /// File and channel, for messages.
+    pub at: String,
+    /// Samples per second (Hz).
+    pub sample_rate: f64,
+    /// Samples (N).
+    pub samples: Vec<f64>,
+}
+
+impl Force {
+    /// Checks a channel of `file` as [`Signal::try_new`] does, and brings it to N.
+    ///
+    /// # Errors
+    /// Those of [`Signal::try_new`], with [`Error::UnknownForceUnit`] for units.
+    pub fn try_new(file: &str, channel: &Channel, stated: &Stated) -> Result<(Self, Vec<Warning>), Error> {
+        let checked = Checked::<ForceUnit>::try_new(file, channel, stated)?;
+        let force = Self {
+            at: checked.at,
+            sample_rate: checked.sample_rate,
+            samples: checked.samples,
+        };
+        Ok((force, checked.warnings))
+    }
+}
+
+/// A channel that has passed the checks.
+struct Checked<U> {
+    at: String,
+    unit: U,
+    sample_rate: f64,
+    /// In SI units.
+    samples: Vec<f64>,
+    last_clipped: Option<usize>,
+    warnings: Vec<Warning>,
+}
+
+impl<U: Physical> Checked<U> {
+    fn try_new(file: &str, channel: &Channel, stated: &Stated) -> Result<Self, Error> {
         let at = format!("{file}, channel `{}`", channel.name);
         let mut warnings = Vec::new();
         let samples = &channel.samples;
@@ -194,48 +336,38 @@ impl Signal {
                 value: samples[i],
             });
         }
-        let unit = unit(&at, channel, stated)?;
+        let unit: U = unit(&at, channel, stated)?;
         if channel.is_constant() {
             return Err(Error::Constant {
                 at,
                 samples: samples.len(),
-                value: samples[0] * unit.scale,
-                unit: unit.quantity.unit().into(),
+                value: samples[0] * unit.scale(),
+                unit: unit.symbol().into(),
             });
         }
         let sample_rate = sample_rate(&at, channel, stated, &mut warnings)?;
         let last_clipped = clipping(samples, sample_rate, &mut warnings);
         dropouts(samples, sample_rate, &mut warnings);
-        let signal = Self {
+        Ok(Self {
             at,
-            quantity: unit.quantity,
+            unit,
             sample_rate,
-            samples: samples.iter().map(|v| v * unit.scale).collect(),
+            samples: samples.iter().map(|v| v * unit.scale()).collect(),
             last_clipped,
-        };
-        Ok((signal, warnings))
-    }
-
-    /// Length (s).
-    pub fn duration(&self) -> f64 {
-        self.samples.len() as f64 / self.sample_rate
+            warnings,
+        })
     }
 }
 
-fn unit(at: &str, channel: &Channel, stated: &Stated) -> Result<Unit, Error> {
-    let parse = |text: &str| {
-        text.parse().map_err(|_| Error::UnknownUnit {
-            at: at.into(),
-            unit: text.into(),
-        })
-    };
+fn unit<U: Physical>(at: &str, channel: &Channel, stated: &Stated) -> Result<U, Error> {
+    let parse = |text: &str| text.parse().map_err(|_| U::unknown(at, text));
     match (&channel.unit, &stated.unit) {
         (None, None) => Err(Error::NoUnit { at: at.into() }),
         (Some(text), None) => parse(text),
         (None, Some(given)) => parse(given),
         (Some(text), Some(given)) => {
             let wanted = parse(given)?;
-            match text.parse::<Unit>() {
+            match text.parse::<U>() {
                 Ok(unit) if unit != wanted => Err(Error::ConflictingUnit {
                     at: at.into(),
                     stated: text.clone(),

@@ -1,4 +1,4 @@
-//! Stepped-sine tests at controlled response: frequency and damping ratio at each response that was held.
+//! Sine tests at controlled response: frequency and damping ratio at each response that was held.
 //!
 //! While the amplitude of the response is held, so are stiffness `k` and damping `c` of a mode that depend on it. A force `F cos(w t)` with the response
 //! `x cos(w t - phi)` then says, with the mass `m` of the mode at its points of force and response,
@@ -7,12 +7,15 @@
 //!
 //! which is linear in all three: least squares at each level. At phase resonance, a quarter period, one frequency is enough if the mass is known:
 //! `zeta = F / (2 m w^2 x)`.
+//!
+//! In a sweep the frequency changes, and the amplitude where it is not held. With `x(t) = X(t) exp(i theta(t))`, `theta' = w`, the mass has the acceleration
+//! `(-w^2 + i (w' + 2 w X'/X)) x` to first order in the changes: the right side above gains `i m (w' + 2 w X'/X)`.
 
 use crate::signal::Quantity;
 use std::f64::consts::TAU;
 
 /// Phases that are used lie as far from 0 and 180 degrees (degrees): farther from the resonance other modes count.
-const LEAST_PHASE: f64 = 25.0;
+pub(crate) const LEAST_PHASE: f64 = 25.0;
 
 /// Fewest frequencies of a fit: one more than it has parameters.
 const LEAST_FREQUENCIES: usize = 4;
@@ -31,6 +34,15 @@ pub struct Step {
     pub response: f64,
     /// How far the displacement lags behind the force (degrees).
     pub phase_deg: f64,
+    /// `f' + 2 f X'/X` of a frequency `f` and an amplitude of displacement `X` that change (Hz/s); zero in a steady state.
+    pub drift_hz_per_s: f64,
+}
+
+impl Step {
+    /// Whether its phase is between `least` and 180 degrees less that.
+    pub(crate) fn is_near(&self, least: f64) -> bool {
+        self.phase_deg >= least && self.phase_deg <= 180.0 - least
+    }
 }
 
 /// Steps at one level.
@@ -116,22 +128,29 @@ impl Level {
             return Err(Unfitted::TooFew { found: used.len() });
         }
         let count = used.len() as f64;
-        // Per step: square of the frequency, frequency, dynamic stiffness.
-        let data: Vec<[f64; 4]> = used
+        // Per step: square of the frequency, frequency, dynamic stiffness, what the mass adds to it where the motion changes.
+        let data: Vec<[f64; 5]> = used
             .iter()
             .map(|step| {
                 let omega = TAU * step.frequency_hz;
                 let (sine, cosine) = step.phase_deg.to_radians().sin_cos();
                 let size = step.force / displacement(step);
-                [omega * omega, omega, size * cosine, size * sine]
+                [
+                    omega * omega,
+                    omega,
+                    size * cosine,
+                    size * sine,
+                    TAU * step.drift_hz_per_s,
+                ]
             })
             .collect();
-        let mean = |of: fn(&[f64; 4]) -> f64| data.iter().map(of).sum::<f64>() / count;
+        let mean = |of: fn(&[f64; 5]) -> f64| data.iter().map(of).sum::<f64>() / count;
         let (square, real) = (mean(|d| d[0]), mean(|d| d[2]));
         let spread: f64 = data.iter().map(|d| (d[0] - square).powi(2)).sum();
         let slope = data.iter().map(|d| (d[0] - square) * (d[2] - real)).sum::<f64>() / spread;
         let (mass, stiffness) = (-slope, real - slope * square);
-        let damping = data.iter().map(|d| d[1] * d[3]).sum::<f64>() / data.iter().map(|d| d[0]).sum::<f64>();
+        let damped = |d: &[f64; 5]| d[3] - mass * d[4];
+        let damping = data.iter().map(|d| d[1] * damped(d)).sum::<f64>() / data.iter().map(|d| d[0]).sum::<f64>();
         if !(mass > 0.0 && stiffness > 0.0 && damping > 0.0 && stiffness.is_finite()) {
             return Err(Unfitted::NoMode {
                 stiffness,
@@ -139,7 +158,7 @@ impl Level {
                 damping,
             });
         }
-        let left = |d: &[f64; 4]| (stiffness - mass * d[0] - d[2]).powi(2) + (damping * d[1] - d[3]).powi(2);
+        let left = |d: &[f64; 5]| (stiffness - mass * d[0] - d[2]).powi(2) + (damping * d[1] - damped(d)).powi(2);
         let whole: f64 = data.iter().map(|d| d[2] * d[2] + d[3] * d[3]).sum();
         let amplitude = used.iter().map(|step| step.response).sum::<f64>() / count;
         let apart = used.iter().map(|step| (step.response / amplitude - 1.0).abs());
@@ -154,9 +173,8 @@ impl Level {
         })
     }
 
-    /// The steps whose phase is between `least` and 180 degrees less that.
+    /// The steps that are near the resonance by `least`.
     fn near(&self, least: f64) -> Vec<Step> {
-        let inside = |step: &&Step| step.phase_deg >= least && step.phase_deg <= 180.0 - least;
-        self.steps.iter().filter(inside).copied().collect()
+        self.steps.iter().filter(|step| step.is_near(least)).copied().collect()
     }
 }

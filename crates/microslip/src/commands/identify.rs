@@ -1,4 +1,4 @@
-//! `identify`: frequency and damping against amplitude from measured ring-downs, or from stepped-sine tests.
+//! `identify`: frequency and damping against amplitude from measured ring-downs, or from sine tests at controlled response.
 
 use crate::files::{self, Overwrite};
 use crate::text::print;
@@ -6,12 +6,17 @@ use anyhow::{Result, bail, ensure};
 use file_io::durable::Identity;
 use modal_identification::average::{MeanPoint, average};
 use modal_identification::backbone::{Identification, Point, Settings, Trims, identify};
-use modal_identification::signal::{Quantity, Signal, Stated};
+use modal_identification::signal::{Channel, Force, Quantity, Signal, Stated};
+use modal_identification::stepped_sine::Level;
+use modal_identification::swept_sine::{self, Swept};
 use modal_identification::{Warning, readers};
 use reports::{Output, identification};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
+
+/// A response that differs from its mean by more is not held (relative).
+const HELD: f64 = 0.05;
 
 /// Options of `identify`.
 #[derive(clap::Args)]
@@ -55,6 +60,16 @@ pub struct Arguments {
         conflicts_with_all = ["channel", "frequency", "bandwidth", "start", "smoothing", "noise_margin", "unit", "sample_rate", "amplitude", "points"]
     )]
     stepped_sine: bool,
+    /// The files are records of swept-sine tests at controlled response, one sweep each: channel of the force.
+    #[arg(
+        long,
+        value_name = "FORCE",
+        conflicts_with_all = ["stepped_sine", "frequency", "bandwidth", "start", "smoothing", "noise_margin", "amplitude", "points"]
+    )]
+    swept_sine: Option<String>,
+    /// Unit of the force of a sweep where the file states none, also with a factor: `N`, `lbf`, `2.5 N`.
+    #[arg(long, requires = "swept_sine", value_name = "UNIT")]
+    force_unit: Option<String>,
     /// Mass of the mode at the points of force and response, for tests at phase resonance (kg).
     #[arg(long, requires = "stepped_sine", value_name = "KG")]
     modal_mass: Option<f64>,
@@ -94,8 +109,11 @@ struct Hit {
 
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
+    if let Some(force) = &arguments.swept_sine {
+        return run_levels(arguments, sweeps(arguments, force)?);
+    }
     if arguments.stepped_sine {
-        return run_steps(arguments);
+        return run_levels(arguments, tables(arguments)?);
     }
     let stated = Stated {
         unit: arguments.unit.clone(),
@@ -149,8 +167,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<()> {
     print(&format!("{text}written to {}: {names}\n", directory.display()))
 }
 
-/// A mode for each level of stepped-sine tests.
-fn run_steps(arguments: &Arguments) -> Result<()> {
+/// A level of a sine test.
+struct Held {
+    file: String,
+    level: Level,
+    /// Of the record of a sweep.
+    sweep: Option<Swept>,
+    warnings: Vec<Warning>,
+}
+
+/// The levels of tables of stepped-sine tests.
+fn tables(arguments: &Arguments) -> Result<Vec<Held>> {
     if let Some(mass) = arguments.modal_mass {
         ensure!(
             mass > 0.0 && mass.is_finite(),
@@ -160,23 +187,69 @@ fn run_steps(arguments: &Arguments) -> Result<()> {
     let mut found = Vec::new();
     for path in &arguments.files {
         let file = path.display().to_string();
-        found.extend(
-            readers::steps::read(path)?
-                .into_iter()
-                .map(|level| (file.clone(), level)),
-        );
+        found.extend(readers::steps::read(path)?.into_iter().map(|level| Held {
+            file: file.clone(),
+            level,
+            sweep: None,
+            warnings: Vec::new(),
+        }));
     }
-    let Some(quantity) = found.first().map(|(_, level)| level.quantity) else {
+    Ok(found)
+}
+
+/// The records of swept-sine tests, a level each.
+fn sweeps(arguments: &Arguments, force: &str) -> Result<Vec<Held>> {
+    let stated = |unit: &Option<String>| Stated {
+        unit: unit.clone(),
+        sample_rate: arguments.sample_rate,
+    };
+    let mut found = Vec::new();
+    for path in &arguments.files {
+        let mut recording = readers::read(path)?;
+        let file = recording.file.clone();
+        let forces: Vec<Channel> = recording.select(Some(force))?.0.into_iter().cloned().collect();
+        recording.channels.retain(|channel| channel.name != force);
+        let (channels, mut warnings) = recording.select(arguments.channel.as_deref())?;
+        let ([force], [channel]) = (&forces[..], &channels[..]) else {
+            bail!(
+                "{file}: it has {} records of the force `{force}` and {} of the response; give a file for each sweep",
+                forces.len(),
+                channels.len()
+            );
+        };
+        let (force, of_force) = Force::try_new(&file, force, &stated(&arguments.force_unit))?;
+        let (response, of_response) = Signal::try_new(&file, channel, &stated(&arguments.unit))?;
+        warnings.extend(of_force.into_iter().chain(of_response));
+        let swept = swept_sine::steps(&channel.name, &force, &response)?;
+        found.push(Held {
+            level: swept.level.clone(),
+            file,
+            sweep: Some(swept),
+            warnings,
+        });
+    }
+    Ok(found)
+}
+
+/// A mode for each level that was held.
+fn run_levels(arguments: &Arguments, mut found: Vec<Held>) -> Result<()> {
+    let Some(quantity) = found.first().map(|held| held.level.quantity) else {
         bail!("no level was found in the files");
     };
-    if let Some((file, level)) = found.iter().find(|(_, level)| level.quantity != quantity) {
+    if let Some(Held { file, level, .. }) = found.iter().find(|held| held.level.quantity != quantity) {
         bail!(
             "{file}: amplitudes are those of {}, and of {quantity} in the first file; identify them apart",
             level.quantity
         );
     }
     let (mut mean, mut levels, mut text) = (Vec::new(), Vec::new(), String::new());
-    for (file, level) in &found {
+    for Held {
+        file,
+        level,
+        sweep,
+        warnings,
+    } in &mut found
+    {
         let fitted = level.fit(arguments.modal_mass);
         match &fitted {
             Ok(fit) => {
@@ -194,20 +267,39 @@ fn run_steps(arguments: &Arguments) -> Result<()> {
                 // Writing into text does not fail.
                 let _ = writeln!(
                     text,
-                    "{file}, level {}: {:.4e} {}, {:.4} Hz, damping ratio {:.4e}, modal mass {:.4e} kg, {} frequencies, {left}",
+                    "{file}, level {}: {:.4e} {} held to {:.2} %, {:.4} Hz, damping ratio {:.4e}, modal mass {:.4e} kg, {} frequencies, {left}",
                     level.name,
                     fit.amplitude,
                     quantity.unit(),
+                    100.0 * fit.amplitude_error,
                     fit.frequency_hz,
                     fit.damping_ratio,
                     fit.modal_mass,
                     fit.steps
                 );
+                if fit.amplitude_error > HELD {
+                    warnings.push(Warning::NotHeld {
+                        apart: fit.amplitude_error,
+                    });
+                }
             }
             Err(reason) => {
                 let _ = writeln!(text, "{file}, level {}: not identified: {reason}", level.name);
             }
         }
+        for warning in &*warnings {
+            let _ = writeln!(text, "  warning: {warning}");
+        }
+        let sweep = sweep.as_ref().map(|sweep| {
+            let limit = fitted
+                .ok()
+                .map(|fit| 2.0 * (fit.damping_ratio * fit.frequency_hz).powi(2));
+            json!({
+                "rate_hz_per_s": sweep.rate_hz_per_s,
+                "slow_below_hz_per_s": limit,
+                "distortion": sweep.distortion,
+            })
+        });
         levels.push(json!({
             "file": file,
             "level": level.name,
@@ -220,6 +312,8 @@ fn run_steps(arguments: &Arguments) -> Result<()> {
             "residual": fitted.ok().and_then(|f| f.residual),
             "frequencies": fitted.ok().map(|f| f.steps),
             "failure": fitted.err().map(|reason| reason.to_string()),
+            "sweep": sweep,
+            "warnings": warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
         }));
     }
     if arguments.modal_mass.is_some() && !levels.iter().any(|level| level["modal_mass_is_given"] == true) {
@@ -240,7 +334,7 @@ fn run_steps(arguments: &Arguments) -> Result<()> {
         Output::new("backbone.csv", identification::table(&mean, quantity)?),
         Output::new("identification.json", format!("{report:#}\n")),
     ];
-    let files: Vec<&str> = found.iter().map(|(file, _)| file.as_str()).collect();
+    let files: Vec<&str> = found.iter().map(|held| held.file.as_str()).collect();
     let identity = Identity::new("identify", files.join(", "));
     files::publish(arguments.overwrite.open(&arguments.out, &identity, &[])?, &outputs)?;
     let names = outputs.each_ref().map(|o| o.name.as_str()).join(", ");

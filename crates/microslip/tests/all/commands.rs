@@ -463,6 +463,80 @@ fn ring_downs_are_identified_averaged_and_drawn() {
 }
 
 #[test]
+fn sweeps_that_hold_their_response_are_identified_level_by_level() {
+    let folder = folder("identify-sweeps");
+    // 0.5 kg at 100 Hz with 1 %, moved by 10 and 20 um while the frequency rises by 2 Hz/s.
+    let (mass, natural, zeta, rate) = (0.5, std::f64::consts::TAU * 100.0, 0.01, 4096.0);
+    for (name, amplitude, end) in [
+        ("a.csv", 1e-5, 105.0),
+        ("b.csv", 2e-5, 105.0),
+        ("short.csv", 1e-5, 97.0),
+    ] {
+        let mut text = String::from("time [s],shaker [N],tip [um],room [m/s^2]\n");
+        for sample in 0..((end - 95.0) / 2.0 * rate) as usize {
+            let time = f64::from(sample as u32) / rate;
+            let (phase, omega) = (
+                std::f64::consts::TAU * (95.0 + time) * time,
+                std::f64::consts::TAU * (95.0 + 2.0 * time),
+            );
+            let (sine, cosine) = phase.sin_cos();
+            let in_phase = natural * natural - omega * omega;
+            let lagging = -2.0 * zeta * natural * omega - std::f64::consts::TAU * 2.0;
+            let force = mass * amplitude * (in_phase * cosine + lagging * sine);
+            text += &format!("{time:.9},{force:.9e},{:.9e},0.1\n", 1e6 * amplitude * cosine);
+        }
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+    let base = [
+        "identify",
+        "a.csv",
+        "b.csv",
+        "--swept-sine",
+        "shaker",
+        "--channel",
+        "tip",
+    ];
+    let output = run(&folder, &[&base[..], &["--out", "out"]].concat());
+    assert_eq!(exit_code(&output), 0, "{}", messages(&output));
+    let report = read_json(&folder.join("out/identification.json"));
+    for (level, amplitude) in report["levels"].as_array().unwrap().iter().zip([1e-5, 2e-5]) {
+        let number = |value: &Value| value.as_f64().unwrap();
+        for (name, expected, error) in [
+            ("amplitude", amplitude, 1e-4),
+            ("frequency_hz", 100.0, 1e-6),
+            ("damping_ratio", zeta, 1e-4),
+            ("modal_mass_kg", mass, 1e-3),
+        ] {
+            let found = number(&level[name]);
+            assert!((found / expected - 1.0).abs() < error, "{name}: {found}");
+        }
+        assert!((number(&level["sweep"]["rate_hz_per_s"]) - 2.0).abs() < 1e-3);
+        assert!((number(&level["sweep"]["slow_below_hz_per_s"]) - 2.0).abs() < 1e-3);
+        assert_eq!(level["warnings"], json!(["channel `room` has one value throughout"]));
+    }
+    let table = std::fs::read_to_string(folder.join("out/backbone.csv")).unwrap();
+    assert_eq!(table.lines().count(), 3);
+
+    for (arguments, told) in [
+        (&["a.csv", "--swept-sine", "hammer"][..], "no channel `hammer`"),
+        (&["a.csv", "--swept-sine", "shaker"], "`tip`, `room`"),
+        (
+            &["a.csv", "--swept-sine", "tip", "--channel", "shaker"],
+            "none of force",
+        ),
+        (
+            &["short.csv", "--swept-sine", "shaker", "--channel", "tip"],
+            "no level was identified",
+        ),
+    ] {
+        let output = run(&folder, &[&["identify"], arguments, &["--out", "other"]].concat());
+        assert_eq!(exit_code(&output), 1, "{arguments:?}");
+        assert!(messages(&output).contains(told), "{}", messages(&output));
+        assert!(!folder.join("other").exists());
+    }
+}
+
+#[test]
 fn ring_downs_that_cannot_be_identified_leave_no_folder() {
     let folder = folder("identify-refused");
     std::fs::write(folder.join("run.csv"), ring_down(1.0, 0.0)).unwrap();

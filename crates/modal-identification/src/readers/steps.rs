@@ -106,6 +106,7 @@ pub fn parse(source: Source<'_>) -> Result<Vec<Level>, Error> {
             response: unit.scale * positive(response)?,
             // Of the displacement.
             phase_deg: (number(phase)? + 90.0 * f64::from(unit.quantity.derivatives())).rem_euclid(360.0),
+            drift_hz_per_s: 0.0,
         };
         let name = level.and_then(|at| record.get(at)).unwrap_or_default();
         match levels.iter_mut().find(|known| known.name == name) {

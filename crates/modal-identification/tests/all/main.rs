@@ -5,3 +5,4 @@ mod filter;
 mod identification;
 mod refusals;
 mod stepped_sine;
+mod swept_sine;

@@ -23,6 +23,7 @@ fn step(frequency_hz: f64, response: f64, quantity: Quantity) -> Step {
         force: displacement * real.hypot(imaginary),
         response,
         phase_deg: imaginary.atan2(real).to_degrees(),
+        drift_hz_per_s: 0.0,
     }
 }
 
