@@ -1054,7 +1054,7 @@ fn springs<const TANGENT: bool, const W: usize>(
     for c in 0..n {
         let zero = [0.0; W];
         let (mut w, mut x, mut y) = (zero, zero, zero);
-        let (mut closed, mut moving) = (0_u64, 0_u64);
+        let (mut closed, mut moving) = ([false; W], [false; W]);
         for i in 0..W {
             w[i] = u_n[c][i] - gap[c][i];
             x[i] = memory_x[c][i] + du_x[c][i];
@@ -1062,15 +1062,15 @@ fn springs<const TANGENT: bool, const W: usize>(
             spoilt[c][i] += 0.0 * x[i] + 0.0 * y[i];
             let rests = unlimited | rests(w[i], [x[i], y[i]], reach[c][i]);
             let moves = (n_0[c][i] < gap[c][i]) | !rests;
-            closed += u64::from(w[i] > 0.0);
-            moving += u64::from((w[i] > 0.0) & moves);
+            closed[i] = w[i] > 0.0;
+            moving[i] = (w[i] > 0.0) & moves;
         }
-        if closed == 0 {
+        if closed == [false; W] {
             (end_x[c], end_y[c]) = (fill[c], fill[c]);
             continue;
         }
         acts.closes = true;
-        if moving == 0 {
+        if moving == [false; W] {
             for i in 0..W {
                 let left = if w[i] > 0.0 { 1.0 } else { 0.0 };
                 let kappa = stiffness[c][i];
@@ -1085,7 +1085,7 @@ fn springs<const TANGENT: bool, const W: usize>(
                     yy[c][i] += left * kappa;
                     nn[c][i] += left * kappa;
                 }
-                sticking[c][i] = max(sticking[c][i], left * kappa);
+                sticking[c][i] += left * kappa;
             }
             continue;
         }
@@ -1118,8 +1118,8 @@ fn springs<const TANGENT: bool, const W: usize>(
             }
             let sticks = if found.sticks { kappa } else { 0.0 };
             let slips = if found.closed & !found.sticks { kappa } else { 0.0 };
-            sticking[c][i] = max(sticking[c][i], sticks);
-            slipping[c][i] = max(slipping[c][i], slips);
+            sticking[c][i] += sticks;
+            slipping[c][i] += slips;
         }
     }
 }
