@@ -86,15 +86,11 @@ impl Chain {
                 json!({ "name": format!("lap {lap}"), "between": sides.map(bar) })
             })
             .collect();
-        let bolts: Vec<Value> = (1..=self.joints)
-            .flat_map(|lap| {
-                let middle = 2.0 * LAP * lap as f64 + 0.5 * LAP;
-                [-BOLT, BOLT].map(|offset| {
-                    let at = |z: f64| json!([middle + offset, 0.0, z]);
-                    json!({ "axis": [at(THICKNESS), at(-THICKNESS)], "size": "M8", "washers": true })
-                })
-            })
-            .collect();
+        let at = |z: f64| [2.5 * LAP - BOLT, 0.0, z];
+        let bolts = json!([{
+            "axis": [at(THICKNESS), at(-THICKNESS)], "size": "M8", "washers": true,
+            "repeat": [{ "times": 2, "step": [2.0 * BOLT, 0, 0] }, { "times": self.joints, "step": [2.0 * LAP, 0, 0] }],
+        }]);
         let length = 2.0 * LAP * self.joints as f64 + 3.0 * LAP;
         let mesh = json!({
             "path": path,

@@ -103,19 +103,16 @@ impl Flange {
 
     /// Its scene; `path` is that of the mesh.
     pub fn scene(&self, path: &str) -> Value {
-        let numbers = 1..=self.bolts;
-        let interfaces: Vec<Value> = (numbers.clone())
+        let interfaces: Vec<Value> = (1..=self.bolts)
             .map(|pad| {
                 json!({ "name": format!("pad {pad}"), "top": format!("upper pad {pad}"), "bottom": format!("lower pad {pad}") })
             })
             .collect();
-        let bolts: Vec<Value> = numbers
-            .map(|bolt| {
-                let angle = TAU * (bolt - 1) as f64 / self.bolts as f64;
-                let at = |z: f64| json!([self.radius() * angle.cos(), self.radius() * angle.sin(), z]);
-                json!({ "axis": [at(HEIGHT + THICKNESS), at(-THICKNESS)], "size": "M8", "washers": true })
-            })
-            .collect();
+        let at = |z: f64| [self.radius(), 0.0, z];
+        let bolts = json!([{
+            "axis": [at(HEIGHT + THICKNESS), at(-THICKNESS)], "size": "M8", "washers": true,
+            "repeat": [{ "times": self.bolts, "about": [[0, 0, 0], [0, 0, 1]] }],
+        }]);
         let outer = self.radius() + 0.5 * WIDTH;
         let mesh = json!({
             "path": path,

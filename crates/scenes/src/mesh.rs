@@ -2,8 +2,10 @@
 
 use super::material::Material;
 use super::units::{ContactStiffness, Length, Units};
+use nalgebra::{Rotation3, Unit, Vector3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 /// A structure from a mesh of Gmsh (`.msh`), Abaqus, CalculiX or PrePoMax (`.inp`), Nastran or Optistruct (`.bdf`, `.nas`, `.fem`), Ansys (`.cdb`), I-DEAS (`.unv`), Exodus II (`.exo`), Salome (`.med`) or VTK (`.vtu`).
@@ -55,7 +57,8 @@ pub struct MeshInterface {
     /// Surface of the bottom body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bottom: Option<String>,
-    /// In their place the volumes of the top and of the bottom body, whose faces that touch are the interface.
+    /// In their place the volumes of the top and of the bottom body, whose faces that touch are the interface. In names, `*` stands for any text: then there is an
+    /// interface for each pair of volumes that touch.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub between: Option<[String; 2]>,
     /// How far apart along the normal faces may be that touch (length); by default a twentieth of the longest edge.
@@ -92,6 +95,76 @@ pub struct MeshBolt {
     /// Without an axis, the surface that the nut presses on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nut: Option<String>,
+    /// Bolts like it in a pattern. Each entry repeats what those before it made, so that two of them make rows and columns.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub repeat: Vec<Repeat>,
+}
+
+/// How often a bolt stands beside itself: along a line, or on a circle.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Repeat {
+    /// How many there are, with the first.
+    pub times: usize,
+    /// From one to the next (length).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step: Option<[Length; 3]>,
+    /// In its place two points on the axis that they are turned about, by the right hand from the first point to the second.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub about: Option<[[Length; 3]; 2]>,
+    /// Angle from one to the next (degrees); by default they share a full circle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angle_deg: Option<f64>,
+}
+
+impl Repeat {
+    /// Where the one of this number, counted from zero, has a position of the first.
+    fn place(&self, number: usize, at: [Length; 3]) -> [Length; 3] {
+        let vector = |at: &[Length; 3]| Vector3::from(at.map(Length::si));
+        let along = self.step.as_ref().map_or(Vector3::zeros(), vector);
+        let moved = vector(&at) + number as f64 * along;
+        let placed = match &self.about {
+            None => moved,
+            Some([from, to]) => {
+                let angle = self.angle_deg.map_or(TAU / self.times as f64, f64::to_radians);
+                let from = vector(from);
+                let axis = Unit::new_normalize(vector(to) - from);
+                from + Rotation3::from_axis_angle(&axis, number as f64 * angle) * (moved - from)
+            }
+        };
+        placed.map(Length::from_si).into()
+    }
+}
+
+impl MeshFile {
+    /// Whether there may be more than one interface: one between patterns of names has as many as pairs touch.
+    pub(super) fn may_have_several_interfaces(&self) -> bool {
+        let is_pattern = |interface: &MeshInterface| interface.between.iter().flatten().any(|name| name.contains('*'));
+        self.interfaces.len() > 1 || self.interfaces.iter().any(is_pattern)
+    }
+
+    /// The bolts with those of their patterns, in turn.
+    pub fn all_bolts(&self) -> Vec<MeshBolt> {
+        let pattern = |bolt: &MeshBolt| {
+            let mut made = vec![MeshBolt {
+                repeat: Vec::new(),
+                ..bolt.clone()
+            }];
+            for repeat in &bolt.repeat {
+                let again = |number: usize| {
+                    let moved = move |bolt: &MeshBolt| MeshBolt {
+                        axis: bolt.axis.map(|axis| axis.map(|at| repeat.place(number, at))),
+                        ..bolt.clone()
+                    };
+                    made.iter().map(moved).collect::<Vec<_>>()
+                };
+                made = (0..repeat.times).flat_map(again).collect();
+            }
+            made
+        };
+        self.bolts.iter().flat_map(pattern).collect()
+    }
 }
 
 /// How head and nut of a bolt hold the bodies.

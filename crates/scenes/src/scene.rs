@@ -9,6 +9,7 @@ use crate::former;
 use crate::interfaces::Interfaces;
 use crate::json::{self, Refusal};
 use crate::law::{Friction, Law, LawKind, RadialRule};
+use crate::mesh::MeshFile;
 use crate::scans::Readings;
 use crate::structure::{Coordinates, MaterialSource, Model, StructureBlock, StructureSource};
 use crate::surface::{Gap, Surface};
@@ -487,7 +488,7 @@ impl Scene {
                 meshed,
             ),
             (
-                self.structure.mesh().is_none_or(|mesh| mesh.interfaces.len() < 2),
+                !self.structure.mesh().is_some_and(MeshFile::may_have_several_interfaces),
                 "/model/coupling_tolerance",
                 Value::Null,
                 "meshes of several interfaces, and structure has one",

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::excitation::check_structure;
 use crate::law::{Bins, RadialRule};
 use crate::material::Material;
-use crate::mesh::MeshFile;
+use crate::mesh::{MeshBolt, MeshFile};
 use crate::random;
 use crate::scale::Scale;
 use crate::scene::Scene;
@@ -469,6 +469,55 @@ impl Deck {
 /// Coordinates beyond this are no place on a structure, and their squares may overflow (m).
 const FARTHEST: f64 = 1e9;
 
+/// Bolts of a pattern: ten times as many as any structure here is known to have.
+const MOST_REPEATED: usize = 10_000;
+
+impl MeshBolt {
+    fn validate_pattern(&self, place: &str) -> Result<(), Error> {
+        let refuse = |message: &str| {
+            Err(Error::Syntax {
+                place: place.into(),
+                field: Some("structure.mesh.bolts".into()),
+                message: format!("repeat: {message}"),
+            })
+        };
+        if self.axis.is_none() && !self.repeat.is_empty() {
+            return refuse("a bolt between two surfaces has no place to be moved from; give it an `axis` and a `size`");
+        }
+        let check = Check { place };
+        let mut count = 1_usize;
+        for repeat in &self.repeat {
+            count = count.saturating_mul(repeat.times);
+            check.that(
+                (1..=MOST_REPEATED).contains(&count),
+                "repeat.times",
+                count as f64,
+                "(bolts of the pattern)",
+                "from 1 to 10 000 in all",
+            )?;
+            let finite = |at: &[Length; 3]| at.iter().all(|x| x.si().abs() < FARTHEST);
+            let far = "positions and steps must be less than 1e9 m in size";
+            match (&repeat.step, &repeat.about, repeat.angle_deg) {
+                (Some(step), None, None) if !finite(step) => return refuse(far),
+                (None, Some(points), _) if !points.iter().all(finite) => return refuse(far),
+                (None, Some([from, to]), _) if from == to => {
+                    return refuse("`about` has the same point twice; give two points on the axis");
+                }
+                (None, Some(_), angle) => check.that(
+                    angle.is_none_or(f64::is_finite),
+                    "repeat.angle_deg",
+                    angle.unwrap_or_default(),
+                    "degrees",
+                    "finite",
+                )?,
+                (Some(_), None, None) => {}
+                _ => return refuse("give either `step`, or `about` with or without `angle_deg`"),
+            }
+        }
+        Ok(())
+    }
+}
+
 impl MeshFile {
     fn validate(&self, check: &Check<'_>) -> Result<(), Error> {
         let size = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -507,6 +556,10 @@ impl MeshFile {
             if let Some(within) = interface.within {
                 check.positive("within", within.si(), "m")?;
             }
+        }
+        for (number, bolt) in (1..).zip(&self.bolts) {
+            let place = at("bolts", number);
+            bolt.validate_pattern(&place)?;
         }
         for (number, tie) in (1..).zip(&self.ties) {
             let place = at("ties", number);

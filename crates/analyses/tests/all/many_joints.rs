@@ -8,6 +8,7 @@ use bolted_structures::{Chain, Flange, Frame};
 use dense_algebra::SystemMatrix;
 use joints::Options;
 use joints::progress::{Progress, Silent};
+use joints::structure::Structure;
 use scenes::Scene;
 use serde_json::{Value, json};
 use std::sync::Mutex;
@@ -15,6 +16,12 @@ use test_support::TemporaryFolder;
 
 /// A short chain with few linear elements, and a change of its scene.
 fn chain(folder: &TemporaryFolder, joints: usize, change: impl Fn(&mut Value)) -> Scene {
+    let value = chain_value(folder, joints, change);
+    Scene::from_json(&value.to_string(), "the test's scene", "chain", &BENCHMARKS).unwrap()
+}
+
+/// [`chain`] as it is written.
+fn chain_value(folder: &TemporaryFolder, joints: usize, change: impl Fn(&mut Value)) -> Value {
     let chain = Chain {
         joints,
         along: 8,
@@ -33,7 +40,7 @@ fn chain(folder: &TemporaryFolder, joints: usize, change: impl Fn(&mut Value)) -
     }
     change(&mut value);
     value["structure"]["mesh"]["path"] = json!(path);
-    Scene::from_json(&value.to_string(), "the test's scene", "chain", &BENCHMARKS).unwrap()
+    value
 }
 
 fn found(scene: &Scene) -> Run {
@@ -215,6 +222,87 @@ fn slow_threads_and_a_stored_model_change_no_bit() {
     let one = with(1, &options);
     assert!(one == with(2, &options), "from the cache");
     assert!(one == with(3, &Options::default()));
+}
+
+#[test]
+fn patterns_of_names_and_bolts_are_the_joints_written_one_by_one() {
+    let folder = TemporaryFolder::new("many-joints-patterns");
+    let with = |change: &dyn Fn(&mut Value)| {
+        let change = |value: &mut Value| {
+            value["model"]["coupling_tolerance"] = json!(1e-7);
+            value["analyses"]["backbone"]["amplitudes"] = json!(1);
+            change(&mut value["structure"]["mesh"]);
+        };
+        Scene::from_json(
+            &chain_value(&folder, 2, change).to_string(),
+            "the test's scene",
+            "chain",
+            &BENCHMARKS,
+        )
+    };
+    let written = with(&|mesh| {
+        // The pattern of the benchmark, bolt by bolt.
+        let bolt = mesh["bolts"][0].clone();
+        let [inner, outer] = [0, 1].map(|at| bolt["repeat"][at]["step"][0].as_f64().unwrap());
+        let at = |lap: usize, side: usize| {
+            let mut bolt = bolt.clone();
+            bolt.as_object_mut().unwrap().remove("repeat");
+            for end in bolt["axis"].as_array_mut().unwrap() {
+                end[0] = json!(end[0].as_f64().unwrap() + lap as f64 * outer + side as f64 * inner);
+            }
+            bolt
+        };
+        mesh["bolts"] = (0..2).flat_map(|lap| [at(lap, 0), at(lap, 1)]).collect();
+    });
+    let by_patterns = with(&|mesh| mesh["interfaces"] = json!([{ "between": ["bar *", "b*r*"] }]));
+    let [written, by_patterns] = [written, by_patterns].map(|scene| summary(&found(&scene.unwrap())));
+    let names = |summary: &Value| -> Vec<String> {
+        let joints = summary["backbone"][0]["joints"].as_array().unwrap().iter();
+        joints.map(|joint| joint["name"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(names(&written), ["lap 1", "lap 2"]);
+    assert_eq!(names(&by_patterns), ["bar 1 on bar 2", "bar 2 on bar 3"]);
+    let [a, b] = [&written, &by_patterns].map(|summary| numbers(&summary["backbone"], "frequency_hz"));
+    assert!(!a.is_empty() && a.len() == b.len());
+    for (a, b) in a.iter().zip(&b) {
+        println!("{a} {b}");
+        assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+    }
+
+    for (change, told) in [
+        (json!({ "interfaces": [{ "between": ["beam *", "bar *"] }] }), "bar 1"),
+        (
+            json!({ "interfaces": [{ "between": ["bar 1", "bar 3*"] }] }),
+            "none touch",
+        ),
+        (
+            json!({ "bolts": [{ "head": "a", "nut": "b", "repeat": [{ "times": 2, "step": [1, 0, 0] }] }] }),
+            "no place",
+        ),
+        (
+            json!({ "bolts": [{ "axis": [[0, 0, 0], [0, 0, 1]], "size": "M8", "repeat": [{ "times": 2 }] }] }),
+            "either `step`",
+        ),
+        (
+            json!({ "bolts": [{ "axis": [[0, 0, 0], [0, 0, 1]], "size": "M8", "repeat": [{ "times": 0, "step": [1, 0, 0] }] }] }),
+            "from 1 to 10 000",
+        ),
+        (
+            json!({ "bolts": [{ "axis": [[0, 0, 0], [0, 0, 1]], "size": "M8", "repeat": [{ "times": 3, "about": [[1, 0, 0], [1, 0, 0]] }] }] }),
+            "same point twice",
+        ),
+    ] {
+        let scene = with(&|mesh| {
+            for (field, value) in change.as_object().unwrap() {
+                mesh[field] = value.clone();
+            }
+        });
+        let error = match scene {
+            Err(error) => error.to_string(),
+            Ok(scene) => Structure::try_new(&scene, &Silent).map(|_| ()).unwrap_err().to_string(),
+        };
+        assert!(error.contains(told), "{error}");
+    }
 }
 
 #[test]

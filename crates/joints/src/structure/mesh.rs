@@ -24,7 +24,7 @@ use scenes::{
 use sprs::CsMat;
 use std::borrow::Cow;
 use std::cell::OnceCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use zte_assembly::InterfaceMesh;
 
 /// How far apart faces that are tied or touch may be by default, relative to the longest edge (of the master).
@@ -60,7 +60,7 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
         file.support(number, support, &mut assembly)?;
     }
     let (mut placed, mut seats) = (Vec::new(), Vec::new());
-    for (number, bolt) in (1..).zip(&source.bolts) {
+    for (number, bolt) in (1..).zip(&source.all_bolts()) {
         let (place, own) = file.bolt(number, bolt, model, &mut assembly, notes)?;
         file.require_room(&placed, &place)?;
         placed.push(place);
@@ -597,6 +597,9 @@ impl File<'_> {
                 let sides = [self.mesh.surface(top)?.to_vec(), self.mesh.surface(bottom)?.to_vec()];
                 return Ok(vec![named(name, sides)]);
             }
+            (None, None, Some(volumes)) if volumes.iter().any(|name| self.is_pattern(name)) => {
+                return self.of_pairs(number, interface, volumes);
+            }
             (None, None, Some(volumes)) => {
                 let mut of_cell = vec![None; self.mesh.cells.len()];
                 for (side, volume) in volumes.iter().enumerate() {
@@ -638,21 +641,161 @@ impl File<'_> {
                 sides[side].push(*face);
             }
         }
-        let patches = touching::patches(&self.mesh.nodes, &sides, interface.within.map(Length::si));
-        match patches.len() {
-            0 => self.fail(
+        let patches = self.patches(number, interface, &name, &sides);
+        match patches.is_empty() {
+            true => self.fail(
                 field(),
                 "no faces of the two bodies touch; give a larger distance `within`, or check the geometry",
             ),
-            1 => Ok(patches.into_iter().map(|sides| named(name.clone(), sides)).collect()),
-            _ => {
-                let numbered = (1..)
-                    .zip(patches)
-                    .map(|(patch, sides)| named(format!("{name}.{patch}"), sides));
-                Ok(numbered.collect())
-            }
+            false => Ok(patches),
         }
     }
+
+    /// The patches on which two sets of faces touch.
+    fn patches<'a>(
+        &self,
+        number: usize,
+        interface: &'a MeshInterface,
+        name: &str,
+        sides: &[Vec<Face>; 2],
+    ) -> Vec<Named<'a>> {
+        let patches = touching::patches(&self.mesh.nodes, sides, interface.within.map(Length::si));
+        let is_one = patches.len() == 1;
+        let named = |(patch, [top, bottom]): (usize, [Vec<Face>; 2])| Named {
+            name: match is_one {
+                true => name.to_owned(),
+                false => format!("{name}.{patch}"),
+            },
+            interface,
+            index: number - 1,
+            reach: TIE_REACH * self.longest_edge(&top).max(self.longest_edge(&bottom)),
+            top,
+            bottom,
+        };
+        (1..).zip(patches).map(named).collect()
+    }
+
+    /// Whether a name stands for several volumes.
+    fn is_pattern(&self, name: &str) -> bool {
+        name.contains('*') && self.mesh.volume(name).is_err()
+    }
+
+    /// The volumes that a name or pattern stands for: groups, or where no group has such a name the bodies by their numbers.
+    fn volumes(&self, pattern: &str) -> Result<Vec<String>, Error> {
+        if !self.is_pattern(pattern) {
+            return Ok(vec![pattern.to_owned()]);
+        }
+        let groups = self.mesh.volumes.iter().map(|group| group.name.clone());
+        let found: Vec<String> = groups.filter(|name| matches(pattern, name)).collect();
+        if !found.is_empty() {
+            return Ok(found);
+        }
+        let last = self.bodies.get_or_init(|| self.mesh.bodies()).iter().max();
+        let bodies = 0..last.map_or(0, |last| *last as usize + 1);
+        let found: Vec<String> = bodies.map(body_name).filter(|name| matches(pattern, name)).collect();
+        match found.is_empty() {
+            // Says which volumes there are.
+            true => self.mesh.volume(pattern).map(|_| Vec::new()).map_err(Error::from),
+            false => Ok(found),
+        }
+    }
+
+    /// An interface for each pair of volumes of two patterns that touch.
+    fn of_pairs<'a>(
+        &self,
+        number: usize,
+        interface: &'a MeshInterface,
+        patterns: &[String; 2],
+    ) -> Result<Vec<Named<'a>>, Error> {
+        let field = || format!("structure.mesh.interfaces, number {number}");
+        let [tops, bottoms] = [self.volumes(&patterns[0])?, self.volumes(&patterns[1])?];
+        let mut of_cell: Vec<Option<&String>> = vec![None; self.mesh.cells.len()];
+        let mut names: Vec<&String> = tops.iter().chain(&bottoms).collect();
+        names.sort();
+        names.dedup();
+        for name in names {
+            for &cell in &*self.volume(name)? {
+                if let Some(other) = of_cell[cell as usize].replace(name) {
+                    return self.fail(
+                        field(),
+                        format!("the volumes `{other}` and `{name}` share solids; give patterns of which only one has each body"),
+                    );
+                }
+            }
+        }
+        let mut faces: BTreeMap<&String, Vec<Face>> = BTreeMap::new();
+        for (face, cell) in self.boundary() {
+            if let Some(name) = of_cell[*cell as usize] {
+                faces.entry(name).or_default().push(*face);
+            }
+        }
+        let reach = interface.within.map_or_else(
+            || {
+                faces
+                    .values()
+                    .map(|faces| TIE_REACH * self.longest_edge(faces))
+                    .fold(0.0, f64::max)
+            },
+            Length::si,
+        );
+        let boxes: BTreeMap<&String, [Vector3<f64>; 2]> = (faces.iter())
+            .map(|(name, faces)| (*name, self.bounding_box(faces)))
+            .collect();
+        let mut found = Vec::new();
+        let mut paired = BTreeSet::new();
+        for (top, bottom) in tops
+            .iter()
+            .flat_map(|top| bottoms.iter().map(move |bottom| (top, bottom)))
+        {
+            let (Some(own), Some(other)) = (boxes.get(top), boxes.get(bottom)) else {
+                continue;
+            };
+            let apart = (0..3).any(|q| own[0][q] > other[1][q] + reach || other[0][q] > own[1][q] + reach);
+            if top == bottom || apart || !paired.insert([top.min(bottom), top.max(bottom)]) {
+                continue;
+            }
+            let name = match &interface.name {
+                None => format!("{top} on {bottom}"),
+                Some(name) => format!("{name}: {top} on {bottom}"),
+            };
+            let sides = [faces[top].clone(), faces[bottom].clone()];
+            found.extend(self.patches(number, interface, &name, &sides));
+        }
+        match found.is_empty() {
+            true => self.fail(
+                field(),
+                format!(
+                    "of {} and {} volumes none touch; give a larger distance `within`, or check the geometry",
+                    tops.len(),
+                    bottoms.len()
+                ),
+            ),
+            false => Ok(found),
+        }
+    }
+
+    /// Smallest and largest coordinates of faces.
+    fn bounding_box(&self, faces: &[Face]) -> [Vector3<f64>; 2] {
+        let nodes = faces.iter().flat_map(|face| face.nodes());
+        nodes.fold(
+            [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)],
+            |[low, high], &node| [low.inf(&self.at(node)), high.sup(&self.at(node))],
+        )
+    }
+}
+
+/// Whether a name fits a pattern, in which `*` stands for any text.
+fn matches(pattern: &str, name: &str) -> bool {
+    let parts: Vec<&str> = pattern.split('*').collect();
+    let [first, middle @ .., last] = &parts[..] else {
+        return pattern == name;
+    };
+    let begun = name.strip_prefix(first);
+    let found = begun.and_then(|left| {
+        let mut middle = middle.iter();
+        middle.try_fold(left, |left, part| left.split_once(part).map(|(_, rest)| rest))
+    });
+    found.is_some_and(|left| left.ends_with(last))
 }
 
 /// Finds for each seat the nearest one of another bolt in its plane; `placed` are all bolts in turn.

@@ -103,7 +103,7 @@ impl Structure {
             .into());
         }
         if let (Some(_), Some(mesh)) = (&scene.analyses.tightening, scene.structure.mesh())
-            && let Some(bolt) = mesh.bolts.iter().position(|bolt| bolt.axis.is_none())
+            && let Some(bolt) = mesh.all_bolts().iter().position(|bolt| bolt.axis.is_none())
         {
             return Err(Error::NoElongation { bolt: Some(bolt + 1) });
         }
