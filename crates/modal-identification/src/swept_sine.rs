@@ -1,6 +1,6 @@
 //! Records of swept-sine tests: force and response over time, as the steps of [`stepped_sine`](crate::stepped_sine) that the sweep passes.
 //!
-//! Windows of [`PERIODS`] periods of the response overlap by half. In each the frequency is the slope of the phase of the response's analytic signal, and both
+//! Windows of eight periods of the response overlap by half. In each the frequency is the slope of the phase of the response's analytic signal, and both
 //! channels are averaged with the conjugate of that motion under a Hann window, which passes neither offsets nor harmonics. How frequency and amplitude change
 //! is taken between windows, so that sweeps need not be slow.
 
