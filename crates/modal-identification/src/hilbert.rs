@@ -12,7 +12,7 @@ use crate::median::upper_median;
 use crate::point::{Point, moments};
 use crate::smoothing::SavitzkyGolay;
 use crate::spectrum::transform;
-use crate::track::Track;
+use crate::track::{Track, unwrapped};
 
 /// Standard deviations of the Gaussian that are kept in frequency, and left out at the ends in time.
 const REACH: f64 = 6.0;
@@ -94,18 +94,13 @@ fn track(samples: &[f64], rate: f64, start: f64, centre: f64, tau: f64) -> Track
     let carrier = TAU * middle as f64 * step;
     let spacing = size as f64 / rate / count as f64;
     let within = ((samples.len() as f64 / rate) / spacing) as usize;
+    band.truncate(within);
     let mut out = Track::default();
-    let (mut turns, mut before) = (0.0, 0.0);
-    for (i, value) in band.iter().take(within).enumerate() {
-        let (amplitude, phase) = value.to_polar();
-        if i > 0 {
-            turns -= TAU * ((phase - before) / TAU).round();
-        }
-        before = phase;
+    for (i, (value, phase)) in band.iter().zip(unwrapped(&band)).enumerate() {
         let time = i as f64 * spacing;
         out.times.push(start + time);
         out.states
-            .push(Complex64::new(amplitude.ln(), phase + turns + carrier * time));
+            .push(Complex64::new(value.norm().ln(), phase + carrier * time));
     }
     out
 }

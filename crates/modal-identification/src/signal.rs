@@ -73,10 +73,7 @@ impl FromStr for Unit {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Error> {
-        let refused = || Error::UnknownUnit {
-            at: "unit".into(),
-            unit: text.into(),
-        };
+        let refused = || Self::unknown("unit", text);
         let (factor, symbol) = factored(text).ok_or_else(refused)?;
         let symbol = symbol.to_lowercase().replace(char::is_whitespace, "");
         let symbol = symbol.replace("**", "^").replace('²', "^2").replace(['µ', 'μ'], "u");
@@ -119,10 +116,7 @@ impl FromStr for ForceUnit {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Error> {
-        let refused = || Error::UnknownForceUnit {
-            at: "unit".into(),
-            unit: text.into(),
-        };
+        let refused = || Self::unknown("unit", text);
         let (factor, symbol) = factored(text).ok_or_else(refused)?;
         let size = match symbol.trim() {
             "N" => 1.0,

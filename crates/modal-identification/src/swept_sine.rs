@@ -9,6 +9,7 @@ use crate::fft;
 use crate::signal::{Force, Quantity, Signal};
 use crate::spectrum::transform;
 use crate::stepped_sine::{LEAST_PHASE, Level, Step};
+use crate::track::unwrapped;
 use rustfft::FftDirection;
 use rustfft::num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -32,11 +33,9 @@ const MOST_PATH: f64 = 2.0;
 /// Sample rates of two channels that differ by more are not those of one record (relative).
 const SAME_RATE: f64 = 1e-6;
 
-/// What a record has.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Swept {
-    /// The steps about the resonance, one per window, along the sweep.
-    pub level: Level,
+/// What a record tells of its sweep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sweep {
     /// Mean rate at which the frequency changes near the resonance (Hz/s); none where the sweep passes none.
     pub rate_hz_per_s: Option<f64>,
     /// Largest part of the response in a window that is not at the frequency of the sweep, by its root mean square (-): harmonics, other modes and noise.
@@ -54,11 +53,11 @@ struct Window {
     distortion: f64,
 }
 
-/// The steps that a sweep passes; their level is named `name`.
+/// The steps about the resonance, one per window, along a sweep, as a level of this name.
 ///
 /// # Errors
 /// [`Error::NoSweep`] where the channels have different rates or lengths, for fewer than eight windows, and where the frequency goes back and forth.
-pub fn steps(name: &str, force: &Force, response: &Signal) -> Result<Swept, Error> {
+pub fn steps(name: &str, force: &Force, response: &Signal) -> Result<(Level, Sweep), Error> {
     let refused = |what: String| {
         Err(Error::NoSweep {
             at: response.at.clone(),
@@ -99,15 +98,16 @@ pub fn steps(name: &str, force: &Force, response: &Signal) -> Result<Swept, Erro
         }
         rate_hz_per_s = Some((to - from) / (last.time - first.time));
     }
-    Ok(Swept {
-        level: Level {
-            name: name.to_owned(),
-            quantity: response.quantity,
-            steps,
-        },
+    let level = Level {
+        name: name.to_owned(),
+        quantity: response.quantity,
+        steps,
+    };
+    let sweep = Sweep {
         rate_hz_per_s,
         distortion: near.iter().map(|window| window.distortion).fold(0.0, f64::max),
-    })
+    };
+    Ok((level, sweep))
 }
 
 /// The steps about that of the largest motion per force which are near the resonance without a gap: where a sweep begins and ends, free motions beat with it.
@@ -153,13 +153,7 @@ fn windows(force: &[Complex64], response: &[Complex64], rate: f64) -> Vec<Window
         return Vec::new();
     };
     let (force, response) = (&force[first..=last], &response[first..=last]);
-    let mut turns = 0.0;
-    let mut phases: Vec<f64> = response.iter().map(|value| value.arg()).collect();
-    for at in 1..phases.len() {
-        let next = phases[at] + turns;
-        turns -= TAU * ((next - phases[at - 1]) / TAU).round();
-        phases[at] += turns;
-    }
+    let phases = unwrapped(response);
     let after = |from: usize, periods: f64| {
         let reached = |phase: &f64| *phase >= phases[from] + TAU * periods;
         phases[from..].iter().position(reached).map(|more| from + more)

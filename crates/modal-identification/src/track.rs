@@ -112,3 +112,15 @@ fn both(values: &[Complex64], apply: impl Fn(&[f64]) -> Vec<f64>) -> Vec<Complex
         .map(|(re, im)| Complex64::new(re, im))
         .collect()
 }
+
+/// Phases of numbers, continued over whole turns.
+pub(crate) fn unwrapped(values: &[Complex64]) -> Vec<f64> {
+    let (mut turns, mut before) = (0.0, None);
+    let continued = values.iter().map(|value| {
+        let phase = value.arg();
+        turns -= TAU * before.map_or(0.0, |before: f64| ((phase - before) / TAU).round());
+        before = Some(phase);
+        phase + turns
+    });
+    continued.collect()
+}

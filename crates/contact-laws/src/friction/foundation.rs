@@ -850,7 +850,7 @@ struct Sums<const B: usize> {
     traction: [Lanes<f64, B>; 3],
     /// Row by row.
     tangent: [Lanes<f64, B>; 9],
-    /// Stiffness of a spring that sticks, and of one that slips.
+    /// Stiffness of the springs that stick, and of those that slip: summed, as the largest would be stored under a mask.
     sticking: Lanes<f64, B>,
     slipping: Lanes<f64, B>,
 }

@@ -583,19 +583,11 @@ impl File<'_> {
     /// The pairs of surfaces of an interface: one that is named, or all patches where two bodies touch.
     fn surfaces<'a>(&self, number: usize, interface: &'a MeshInterface) -> Result<Vec<Named<'a>>, Error> {
         let name = interface.name.clone().unwrap_or_else(|| number.to_string());
-        let named = |name: String, [top, bottom]: [Vec<Face>; 2]| Named {
-            name,
-            interface,
-            index: number - 1,
-            reach: TIE_REACH * self.longest_edge(&top).max(self.longest_edge(&bottom)),
-            top,
-            bottom,
-        };
         let field = || format!("structure.mesh.interfaces, number {number}");
         let cells = match (&interface.top, &interface.bottom, &interface.between) {
             (Some(top), Some(bottom), None) => {
                 let sides = [self.mesh.surface(top)?.to_vec(), self.mesh.surface(bottom)?.to_vec()];
-                return Ok(vec![named(name, sides)]);
+                return Ok(vec![self.named(number, interface, name, sides)]);
             }
             (None, None, Some(volumes)) if volumes.iter().any(|name| self.is_pattern(name)) => {
                 return self.of_pairs(number, interface, volumes);
@@ -661,18 +653,31 @@ impl File<'_> {
     ) -> Vec<Named<'a>> {
         let patches = touching::patches(&self.mesh.nodes, sides, interface.within.map(Length::si));
         let is_one = patches.len() == 1;
-        let named = |(patch, [top, bottom]): (usize, [Vec<Face>; 2])| Named {
-            name: match is_one {
+        let numbered = (1_usize..).zip(patches).map(|(patch, sides)| {
+            let name = match is_one {
                 true => name.to_owned(),
                 false => format!("{name}.{patch}"),
-            },
+            };
+            self.named(number, interface, name, sides)
+        });
+        numbered.collect()
+    }
+
+    fn named<'a>(
+        &self,
+        number: usize,
+        interface: &'a MeshInterface,
+        name: String,
+        [top, bottom]: [Vec<Face>; 2],
+    ) -> Named<'a> {
+        Named {
+            name,
             interface,
             index: number - 1,
             reach: TIE_REACH * self.longest_edge(&top).max(self.longest_edge(&bottom)),
             top,
             bottom,
-        };
-        (1..).zip(patches).map(named).collect()
+        }
     }
 
     /// Whether a name stands for several volumes.

@@ -8,7 +8,7 @@ use modal_identification::average::{MeanPoint, average};
 use modal_identification::backbone::{Identification, Point, Settings, Trims, identify};
 use modal_identification::signal::{Channel, Force, Quantity, Signal, Stated};
 use modal_identification::stepped_sine::Level;
-use modal_identification::swept_sine::{self, Swept};
+use modal_identification::swept_sine::{self, Sweep};
 use modal_identification::{Warning, readers};
 use reports::{Output, identification};
 use serde_json::{Value, json};
@@ -172,7 +172,7 @@ struct Held {
     file: String,
     level: Level,
     /// Of the record of a sweep.
-    sweep: Option<Swept>,
+    sweep: Option<Sweep>,
     warnings: Vec<Warning>,
 }
 
@@ -220,11 +220,11 @@ fn sweeps(arguments: &Arguments, force: &str) -> Result<Vec<Held>> {
         let (force, of_force) = Force::try_new(&file, force, &stated(&arguments.force_unit))?;
         let (response, of_response) = Signal::try_new(&file, channel, &stated(&arguments.unit))?;
         warnings.extend(of_force.into_iter().chain(of_response));
-        let swept = swept_sine::steps(&channel.name, &force, &response)?;
+        let (level, sweep) = swept_sine::steps(&channel.name, &force, &response)?;
         found.push(Held {
-            level: swept.level.clone(),
             file,
-            sweep: Some(swept),
+            level,
+            sweep: Some(sweep),
             warnings,
         });
     }

@@ -2,8 +2,8 @@
 
 use modal_identification::Error;
 use modal_identification::signal::{Channel, Force, Quantity, Signal, Stated, Timing};
-use modal_identification::stepped_sine::Fitted;
-use modal_identification::swept_sine::{Swept, steps};
+use modal_identification::stepped_sine::{Fitted, Level};
+use modal_identification::swept_sine::{Sweep, steps};
 use rand::{RngExt, SeedableRng};
 use std::f64::consts::{PI, TAU};
 
@@ -28,7 +28,7 @@ fn sweep(from: f64, to: f64, hz_per_s: f64) -> Vec<(f64, f64)> {
     (0..count).map(at).collect()
 }
 
-fn swept(force: Vec<f64>, response: Vec<f64>, unit: &str) -> Result<Swept, Error> {
+fn swept(force: Vec<f64>, response: Vec<f64>, unit: &str) -> Result<(Level, Sweep), Error> {
     let channel = |name: &str, unit: &str, samples| Channel {
         name: name.into(),
         unit: Some(unit.into()),
@@ -40,10 +40,10 @@ fn swept(force: Vec<f64>, response: Vec<f64>, unit: &str) -> Result<Swept, Error
     steps("tip", &force, &response)
 }
 
-fn fitted(force: Vec<f64>, response: Vec<f64>, unit: &str) -> (Swept, Fitted) {
-    let swept = swept(force, response, unit).expect("a sweep");
-    let fit = swept.level.fit(None).expect("a mode");
-    (swept, fit)
+fn fitted(force: Vec<f64>, response: Vec<f64>, unit: &str) -> (Level, Sweep, Fitted) {
+    let (level, sweep) = swept(force, response, unit).expect("a sweep");
+    let fit = level.fit(None).expect("a mode");
+    (level, sweep, fit)
 }
 
 /// What a Jenkins element with this stiffness and limit of force passes on along a motion.
@@ -94,7 +94,7 @@ fn a_response_that_is_held_gives_the_equivalent_mode_of_a_jenkins_element() {
                 .iter()
                 .map(|v| scale * (v + size * (0.1 + 2e-3 * (random.random::<f64>() - 0.5))))
                 .collect();
-            let (swept, found) = fitted(force.clone(), noisy, unit);
+            let (level, swept, found) = fitted(force.clone(), noisy, unit);
             let errors = [
                 TAU * found.frequency_hz / natural - 1.0,
                 found.damping_ratio / expected - 1.0,
@@ -104,7 +104,7 @@ fn a_response_that_is_held_gives_the_equivalent_mode_of_a_jenkins_element() {
                 "{times} {unit} {errors:?} {:?} {:.1e}",
                 swept.rate_hz_per_s, swept.distortion
             );
-            assert_eq!(swept.level.quantity, quantity);
+            assert_eq!(level.quantity, quantity);
             assert!(
                 errors[0].abs() < 2e-5 && errors[1].abs() < 5e-3 && errors[2].abs() < 5e-3,
                 "{errors:?}"
@@ -153,7 +153,7 @@ fn a_force_that_is_held_gives_a_linear_mode_up_to_the_rate_of_slow_sweeps() {
             }
             motion[at] = x;
         }
-        let (swept, found) = fitted(force, motion, "m");
+        let (_, swept, found) = fitted(force, motion, "m");
         let errors = [
             found.frequency_hz / NEAR - 1.0,
             found.damping_ratio / zeta - 1.0,
