@@ -237,6 +237,32 @@ pub(crate) fn check_points(points: &Range<usize>, law: &impl TractionLaw) {
     assert!(points.end <= count, "points {points:?} exceed the law's {count} points");
 }
 
+/// [`TractionLaw::follow`] by [`TractionLaw::evaluate`].
+pub(crate) fn step_by_step<L: TractionLaw + ?Sized>(
+    law: &L,
+    points: Range<usize>,
+    sticking: Sticking,
+    path: &[f64],
+    state: &mut [f64],
+    room: &mut [f64],
+    traction: &mut [f64],
+) {
+    let n = points.len();
+    for (jump, traction) in path.chunks_exact(3 * n).zip(traction.chunks_exact_mut(3 * n)) {
+        law.evaluate(
+            points.clone(),
+            sticking,
+            Components::stacked(jump),
+            StateView::new(state, n, 0),
+            StateViewMut::new(room, n, 0),
+            ComponentsMut::stacked(traction),
+            None,
+            None,
+        );
+        state.copy_from_slice(room);
+    }
+}
+
 /// A traction law over a set of points with fixed parameters.
 ///
 /// A law is independent of the rate: [`Self::evaluate`] is given where a point is and where it was at the commit, but not
@@ -308,6 +334,26 @@ pub trait TractionLaw: Send + Sync {
         traction: ComponentsMut<'_>,
         d_traction: ComponentsMut<'_>,
     ) -> RegimeCounts;
+
+    /// Tractions of points along a path: as [`Self::evaluate`] from step to step, each from the end state of the one before, to rounding.
+    ///
+    /// - `path` (m) and `traction` (Pa): `[step][component][point]`.
+    /// - `state`: `[component][point]`, that at the begin of the path, which becomes that at its end.
+    /// - `room`: as many numbers as the state has.
+    ///
+    /// # Panics
+    /// When `points` exceeds the law or a slice has another length.
+    fn follow(
+        &self,
+        points: Range<usize>,
+        sticking: Sticking,
+        path: &[f64],
+        state: &mut [f64],
+        room: &mut [f64],
+        traction: &mut [f64],
+    ) {
+        step_by_step(self, points, sticking, path, state, room, traction);
+    }
 
     /// The way back through a step under friction: what the product of adjoints `l` of the end state and `m` of the tractions with these grows by,
     /// per unit of the jump, `(d end/d jump)^T l + (d traction/d jump)^T m`, and likewise of the begin state.

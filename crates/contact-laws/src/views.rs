@@ -19,6 +19,13 @@ impl<'a> Components<'a> {
     pub fn new(x: &'a [f64], y: &'a [f64], n: &'a [f64]) -> Self {
         Self { x, y, n }
     }
+
+    /// From the values of the components one after the other, a third each.
+    pub fn stacked(values: &'a [f64]) -> Self {
+        let (x, others) = values.split_at(values.len() / 3);
+        let (y, n) = others.split_at(x.len());
+        Self { x, y, n }
+    }
 }
 
 /// Like [`Components`], to be written.
@@ -35,6 +42,13 @@ pub struct ComponentsMut<'a> {
 impl<'a> ComponentsMut<'a> {
     /// From the components, which must have the same length.
     pub fn new(x: &'a mut [f64], y: &'a mut [f64], n: &'a mut [f64]) -> Self {
+        Self { x, y, n }
+    }
+
+    /// From the values of the components one after the other, a third each.
+    pub fn stacked(values: &'a mut [f64]) -> Self {
+        let (x, others) = values.split_at_mut(values.len() / 3);
+        let (y, n) = others.split_at_mut(x.len());
         Self { x, y, n }
     }
 }

@@ -11,6 +11,8 @@ use crate::force::{DifferentiablePointwiseForce, PointwiseForce};
 use crate::harmonics::Harmonics;
 use contact_laws::{Components, ComponentsMut, StateView, StateViewMut, TangentMut};
 use cqsma_solver::sensitivity::ParameterRate;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::Complex;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -28,6 +30,18 @@ pub struct Sampling {
     pub periods: usize,
 }
 
+/// Samples that are followed together.
+const STRETCH: usize = 32;
+
+impl Sampling {
+    /// Stretches of the samples of a period from one on.
+    fn stretches(self, from: usize) -> impl Iterator<Item = Range<usize>> {
+        (from..self.samples)
+            .step_by(STRETCH)
+            .map(move |first| first..self.samples.min(first + STRETCH))
+    }
+}
+
 /// The contact along periodic motions about the static state.
 pub(crate) struct Contact<'a, F: PointwiseForce> {
     force: &'a F,
@@ -35,11 +49,12 @@ pub(crate) struct Contact<'a, F: PointwiseForce> {
     sampling: Sampling,
     /// Samples of the first period that forces do without.
     skipped: usize,
-    /// Value of each column's function at each sample, `[sample][column]`.
+    /// Value of each column's function at each sample, `[sample][column]`, and what it adds of a sample to the coefficient.
     basis: Vec<f64>,
-    /// Jump (m) and traction (Pa) at the static state.
-    jump: [Vec<f64>; 3],
-    traction: [Vec<f64>; 3],
+    weights: Vec<f64>,
+    /// Jump (m) and traction (Pa) of each batch at the static state, `[component][point]`.
+    jump: Vec<Vec<f64>>,
+    traction: Vec<Vec<f64>>,
 }
 
 /// A point of the contact over one period, sample by sample, beginning with the first sample.
@@ -63,23 +78,36 @@ struct BatchResponse {
     drift: [f64; 2],
 }
 
-/// Memory of one batch.
+/// Memory of one batch along a stretch.
 struct Batch {
-    jump: [Vec<f64>; 3],
-    traction: [Vec<f64>; 3],
+    n: usize,
+    /// `[step][component][point]`, as are the tractions.
+    jump: Vec<f64>,
+    traction: Vec<f64>,
     begin: Vec<f64>,
     end: Vec<f64>,
 }
 
 impl Batch {
     fn new(n: usize, n_state: usize) -> Self {
-        let zeros = || std::array::from_fn(|_| vec![0.0; n]);
+        let fields = || vec![0.0; STRETCH * 3 * n];
         Self {
-            jump: zeros(),
-            traction: zeros(),
+            n,
+            jump: fields(),
+            traction: fields(),
             begin: vec![0.0; n * n_state],
             end: vec![0.0; n * n_state],
         }
+    }
+
+    /// Numbers of some steps.
+    fn steps(&self, steps: Range<usize>) -> Range<usize> {
+        3 * self.n * steps.start..3 * self.n * steps.end
+    }
+
+    /// The begin state becomes the end state.
+    fn commit(&mut self) {
+        std::mem::swap(&mut self.begin, &mut self.end);
     }
 }
 
@@ -89,11 +117,6 @@ fn part_of_product(factor: Complex<f64>, part: usize) -> [f64; 2] {
         0 => [factor.re, -factor.im],
         _ => [factor.im, factor.re],
     }
-}
-
-fn components_mut(fields: &mut [Vec<f64>; 3]) -> ComponentsMut<'_> {
-    let [x, y, n] = fields;
-    ComponentsMut { x, y, n }
 }
 
 /// Harmonics of the contact forces.
@@ -120,17 +143,33 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
                 (row[2 * h], row[2 * h - 1]) = phase.sin_cos();
             }
         }
-        let mut contact = Self {
+        let per_sample = 1.0 / sampling.samples as f64;
+        let weigh = |(at, value): (usize, &f64)| {
+            if at % columns == 0 {
+                per_sample
+            } else {
+                2.0 * per_sample * value
+            }
+        };
+        let weights = basis.iter().enumerate().map(weigh).collect();
+        let jump: Vec<Vec<f64>> = force.batches().iter().map(|range| stacked(&jump, range)).collect();
+        let traction = jump.iter().enumerate().map(|(index, jump)| {
+            let mut begin = vec![0.0; force.n_state(index) * (jump.len() / 3)];
+            force.state_of(index, state, &mut begin);
+            let (mut end, mut traction) = (begin.clone(), vec![0.0; jump.len()]);
+            force.follow_batch(index, jump, &mut begin, &mut end, &mut traction);
+            traction
+        });
+        Self {
             force,
             state,
             sampling,
             skipped: 0,
             basis,
+            weights,
+            traction: traction.collect(),
             jump,
-            traction: std::array::from_fn(|_| vec![0.0; n]),
-        };
-        contact.traction = contact.static_traction();
-        contact
+        }
     }
 
     /// Goes from the static state to the middle of the first period, where another one follows: forces that lead to a solution need no more.
@@ -141,36 +180,18 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
         self
     }
 
-    fn static_traction(&self) -> [Vec<f64>; 3] {
-        let mut all: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; self.force.n_points()]);
-        for (index, range) in self.force.batches().iter().enumerate() {
-            let n_state = self.force.n_state(index);
-            let mut batch = Batch::new(range.len(), n_state);
-            self.force.state_of(index, self.state, &mut batch.begin);
-            for q in 0..3 {
-                batch.jump[q].copy_from_slice(&self.jump[q][range.clone()]);
-            }
-            self.advance(index, &mut batch, None);
-            for q in 0..3 {
-                all[q][range.clone()].copy_from_slice(&batch.traction[q]);
-            }
-        }
-        all
-    }
-
-    /// Evaluates a batch, whose end state becomes the begin state.
-    fn advance(&self, index: usize, batch: &mut Batch, tangent: Option<TangentMut<'_>>) {
-        let n = batch.jump[0].len();
-        let [x, y, normal] = &batch.jump;
+    /// Evaluates a step of a batch, whose end state becomes the begin state.
+    fn advance(&self, index: usize, batch: &mut Batch, step: usize, tangent: Option<TangentMut<'_>>) {
+        let (n, own) = (batch.n, batch.steps(step..step + 1));
         self.force.evaluate_batch(
             index,
-            Components { x, y, n: normal },
+            Components::stacked(&batch.jump[own.clone()]),
             StateView::new(&batch.begin, n, 0),
             StateViewMut::new(&mut batch.end, n, 0),
-            components_mut(&mut batch.traction),
+            ComponentsMut::stacked(&mut batch.traction[own]),
             tangent,
         );
-        std::mem::swap(&mut batch.begin, &mut batch.end);
+        batch.commit();
     }
 
     /// Means over the measured period of what the tangents along and across the surface are, without what couples the two: symmetric
@@ -183,7 +204,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
             .par_iter()
             .zip(&jumps)
             .enumerate()
-            .map(|(index, (range, jumps))| self.mean_of_batch(index, range, jumps))
+            .map(|(index, (range, jumps))| self.mean_of_batch(index, range.len(), jumps))
             .collect();
         let mut all: [Vec<f64>; 9] = std::array::from_fn(|_| vec![0.0; self.force.n_points()]);
         for (range, means) in self.force.batches().iter().zip(means) {
@@ -197,27 +218,27 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
         values
     }
 
-    fn mean_of_batch(&self, index: usize, range: &Range<usize>, jumps: &[f64]) -> [Vec<f64>; 9] {
-        let n = range.len();
-        let mut batch = Batch::new(n, self.force.n_state(index));
-        self.force.state_of(index, self.state, &mut batch.begin);
+    fn mean_of_batch(&self, index: usize, n: usize, jumps: &[f64]) -> [Vec<f64>; 9] {
+        let mut batch = self.begin(index, n);
         let zeros = || -> [Vec<f64>; 9] { std::array::from_fn(|_| vec![0.0; n]) };
         let (mut sum, mut tangent) = (zeros(), zeros());
         for period in 1..=self.sampling.periods {
-            for sample in 0..self.sampling.samples {
-                self.place(jumps, sample, range, &mut batch);
-                let entries = TangentMut::from_entries(tangent.each_mut().map(Vec::as_mut_slice));
-                self.advance(index, &mut batch, Some(entries));
-                if period < self.sampling.periods {
-                    continue;
-                }
-                for i in 0..n {
-                    sum[0][i] += tangent[0][i];
-                    sum[4][i] += tangent[4][i];
-                    sum[8][i] += tangent[8][i].max(0.0);
-                    let across = 0.5 * (tangent[1][i] + tangent[3][i]);
-                    sum[1][i] += across;
-                    sum[3][i] += across;
+            for samples in self.sampling.stretches(0) {
+                self.place(index, jumps, &samples, &mut batch);
+                for step in 0..samples.len() {
+                    let entries = TangentMut::from_entries(tangent.each_mut().map(Vec::as_mut_slice));
+                    self.advance(index, &mut batch, step, Some(entries));
+                    if period < self.sampling.periods {
+                        continue;
+                    }
+                    for i in 0..n {
+                        sum[0][i] += tangent[0][i];
+                        sum[4][i] += tangent[4][i];
+                        sum[8][i] += tangent[8][i].max(0.0);
+                        let across = 0.5 * (tangent[1][i] + tangent[3][i]);
+                        sum[1][i] += across;
+                        sum[3][i] += across;
+                    }
                 }
             }
         }
@@ -225,17 +246,24 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
         sum.map(|values| values.into_iter().map(|v| per_sample * v).collect())
     }
 
-    /// Brings the jumps of a batch to those of a sample.
-    fn place(&self, jumps: &[f64], sample: usize, range: &Range<usize>, batch: &mut Batch) {
-        self.synthesise(jumps, sample, &mut batch.jump);
-        for (jump, at_rest) in batch.jump.iter_mut().zip(&self.jump) {
-            for (jump, at_rest) in jump.iter_mut().zip(&at_rest[range.clone()]) {
-                *jump += at_rest;
-            }
-        }
+    /// A batch of `n` points at the static state.
+    fn begin(&self, index: usize, n: usize) -> Batch {
+        let mut batch = Batch::new(n, self.force.n_state(index));
+        self.force.state_of(index, self.state, &mut batch.begin);
+        batch
     }
 
-    /// Coefficients of the jumps that belong to a motion, `[component][column][point]`, batch by batch.
+    /// Brings the jumps of a batch to those of a stretch.
+    fn place(&self, index: usize, jumps: &[f64], samples: &Range<usize>, batch: &mut Batch) {
+        let stretch = batch.steps(0..samples.len());
+        let steps = &mut batch.jump[stretch];
+        for step in steps.chunks_exact_mut(3 * batch.n) {
+            step.copy_from_slice(&self.jump[index]);
+        }
+        self.synthesise(Accum::Add, jumps, samples, steps);
+    }
+
+    /// Coefficients of the jumps that belong to a motion, `[column][component][point]`, batch by batch.
     fn jumps(&self, motion: &Harmonics) -> Vec<Vec<f64>> {
         let (n, nd, columns) = (self.force.n_points(), self.force.n_dofs(), motion.n_columns());
         let fields: Vec<[Vec<f64>; 3]> = (0..columns)
@@ -248,55 +276,36 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
             })
             .collect();
         let of_batch = |range: &Range<usize>| {
-            let mut coefficients = Vec::with_capacity(3 * columns * range.len());
-            for q in 0..3 {
-                for field in &fields {
-                    coefficients.extend_from_slice(&field[q][range.clone()]);
-                }
-            }
-            coefficients
+            let columns = fields.iter().flat_map(|field| stacked(field, range));
+            columns.collect()
         };
         self.force.batches().iter().map(of_batch).collect()
     }
 
-    /// Values of a batch at a sample, from the coefficients.
-    fn synthesise(&self, coefficients: &[f64], sample: usize, fields: &mut [Vec<f64>; 3]) {
+    /// Values of a batch along a stretch, from the coefficients: in the place of what is there, or added to it.
+    fn synthesise(&self, accum: Accum, coefficients: &[f64], samples: &Range<usize>, steps: &mut [f64]) {
         let columns = 2 * self.sampling.harmonics + 1;
-        let basis = &self.basis[sample * columns..][..columns];
-        let n = fields[0].len();
-        for (field, coefficients) in fields.iter_mut().zip(coefficients.chunks_exact(columns * n)) {
-            field.fill(0.0);
-            for (factor, column) in basis.iter().zip(coefficients.chunks_exact(n)) {
-                for (value, c) in field.iter_mut().zip(column) {
-                    *value += factor * c;
-                }
-            }
-        }
+        let basis = &self.basis[samples.start * columns..samples.end * columns];
+        let size = steps.len() / samples.len();
+        let steps = MatMut::from_column_major_slice_mut(steps, size, samples.len());
+        let coefficients = MatRef::from_column_major_slice(coefficients, size, columns);
+        let basis = MatRef::from_column_major_slice(basis, columns, samples.len());
+        matmul(steps, accum, coefficients, basis, 1.0, Par::Seq);
     }
 
-    /// Adds what the fields at a sample bring to the coefficients of a Fourier series.
-    fn analyse(&self, fields: &[Vec<f64>; 3], sample: usize, coefficients: &mut [f64]) {
+    /// Adds what the values of a batch along a stretch bring to the coefficients of a Fourier series.
+    fn analyse(&self, steps: &[f64], samples: &Range<usize>, coefficients: &mut [f64]) {
         let columns = 2 * self.sampling.harmonics + 1;
-        let basis = &self.basis[sample * columns..][..columns];
-        let per_sample = 1.0 / self.sampling.samples as f64;
-        let n = fields[0].len();
-        for (field, coefficients) in fields.iter().zip(coefficients.chunks_exact_mut(columns * n)) {
-            for (index, (value, column)) in basis.iter().zip(coefficients.chunks_exact_mut(n)).enumerate() {
-                let factor = if index == 0 {
-                    per_sample
-                } else {
-                    2.0 * per_sample * value
-                };
-                for (c, value) in column.iter_mut().zip(field) {
-                    *c += factor * value;
-                }
-            }
-        }
+        let weights = &self.weights[samples.start * columns..samples.end * columns];
+        let size = steps.len() / samples.len();
+        let steps = MatRef::from_column_major_slice(steps, size, samples.len());
+        let weights = MatRef::from_row_major_slice(weights, samples.len(), columns);
+        let coefficients = MatMut::from_column_major_slice_mut(coefficients, size, columns);
+        matmul(coefficients, Accum::Add, steps, weights, 1.0, Par::Seq);
     }
 
     /// Harmonics of the forces of tractions given batch by batch, on `size` coordinates.
     fn collect(&self, of_batches: &[BatchResponse], size: usize) -> Harmonics {
-        let columns = 2 * self.sampling.harmonics + 1;
         let n_points = self.force.n_points();
         let nd = self.force.n_dofs();
         let mut force = Harmonics::zeros(size, self.sampling.harmonics);
@@ -305,7 +314,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
             for (range, answer) in self.force.batches().iter().zip(of_batches) {
                 let n = range.len();
                 for (q, field) in traction.iter_mut().enumerate() {
-                    let from = &answer.coefficients[(q * columns + column) * n..][..n];
+                    let from = &answer.coefficients[(column * 3 + q) * n..][..n];
                     field[range.clone()].copy_from_slice(from);
                 }
             }
@@ -331,14 +340,13 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     /// Energy per area that each point takes per period, by its tractions along x, y and n (J/m^2).
     pub(crate) fn dissipation(&self, motion: &Harmonics) -> [Vec<f64>; 3] {
         let jumps = self.jumps(motion);
-        let columns = motion.n_columns();
         let mut flux: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; self.force.n_points()]);
         let answers = self.follow_all(&jumps);
         for ((range, jumps), answer) in self.force.batches().iter().zip(&jumps).zip(&answers) {
             let n = range.len();
             for (q, flux) in flux.iter_mut().enumerate() {
                 for (i, flux) in flux[range.clone()].iter_mut().enumerate() {
-                    let at = |values: &[f64], column: usize| values[(q * columns + column) * n + i];
+                    let at = |values: &[f64], column: usize| values[(column * 3 + q) * n + i];
                     *flux = (1..=motion.count())
                         .map(|h| {
                             let t = |column| at(&answer.coefficients, column);
@@ -362,14 +370,17 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
                 if inside.is_empty() {
                     return Vec::new();
                 }
-                self.follow(index, range, jumps, &inside).histories
-            })
-            .map(|mut history| {
-                // Batches follow tractions from the static state.
-                for (traction, at_rest) in history.traction.iter_mut().zip(&self.traction) {
-                    traction.iter_mut().for_each(|t| *t += at_rest[history.point]);
+                let mut histories = self.follow(index, range, jumps, &inside).histories;
+                for history in &mut histories {
+                    // Batches follow tractions from the static state.
+                    let at_rest = self.traction[index].chunks_exact(range.len());
+                    for (traction, at_rest) in history.traction.iter_mut().zip(at_rest) {
+                        traction
+                            .iter_mut()
+                            .for_each(|t| *t += at_rest[history.point - range.start]);
+                    }
                 }
-                history
+                histories
             })
             .collect()
     }
@@ -385,8 +396,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     /// One batch along all periods; `recorded` are points of it whose last period is kept.
     fn follow(&self, index: usize, range: &Range<usize>, jumps: &[f64], recorded: &[usize]) -> BatchResponse {
         let n = range.len();
-        let mut batch = Batch::new(n, self.force.n_state(index));
-        self.force.state_of(index, self.state, &mut batch.begin);
+        let mut batch = self.begin(index, n);
         let mut coefficients = vec![0.0; jumps.len()];
         let empty = |&point: &usize| PointHistory {
             point,
@@ -394,49 +404,47 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
             traction: Default::default(),
         };
         let mut histories: Vec<PointHistory> = recorded.iter().map(empty).collect();
-        let zeros = || -> [Vec<f64>; 3] { std::array::from_fn(|_| vec![0.0; n]) };
-        let (mut before, mut least, mut most) = (zeros(), zeros(), zeros());
+        let [mut before, mut last] = [0; 2].map(|_| vec![0.0; 3 * n]);
+        let (mut least, mut most) = (vec![f64::INFINITY; 3 * n], vec![f64::NEG_INFINITY; 3 * n]);
         for period in 1..=self.sampling.periods {
-            let is_last = period == self.sampling.periods;
-            if is_last {
-                before.clone_from(&batch.traction);
-                least.iter_mut().for_each(|field| field.fill(f64::INFINITY));
-                most.iter_mut().for_each(|field| field.fill(f64::NEG_INFINITY));
-            }
+            before.clone_from(&last);
             let skipped = if period == 1 { self.skipped } else { 0 };
-            for sample in skipped..self.sampling.samples {
-                self.place(jumps, sample, range, &mut batch);
-                self.advance(index, &mut batch, None);
-                for (traction, at_rest) in batch.traction.iter_mut().zip(&self.traction) {
-                    for (traction, at_rest) in traction.iter_mut().zip(&at_rest[range.clone()]) {
+            for samples in self.sampling.stretches(skipped) {
+                self.place(index, jumps, &samples, &mut batch);
+                let stretch = batch.steps(0..samples.len());
+                let (steps, tractions) = (&batch.jump[stretch.clone()], &mut batch.traction[stretch]);
+                self.force
+                    .follow_batch(index, steps, &mut batch.begin, &mut batch.end, tractions);
+                for traction in tractions.chunks_exact_mut(3 * n) {
+                    for (traction, at_rest) in traction.iter_mut().zip(&self.traction[index]) {
                         *traction -= at_rest;
                     }
+                    last.copy_from_slice(traction);
                 }
-                if is_last {
-                    self.analyse(&batch.traction, sample, &mut coefficients);
+                if period < self.sampling.periods {
+                    continue;
+                }
+                self.analyse(tractions, &samples, &mut coefficients);
+                for (jump, traction) in steps.chunks_exact(3 * n).zip(tractions.chunks_exact(3 * n)) {
                     for history in &mut histories {
                         let at = history.point - range.start;
                         for q in 0..3 {
-                            history.jump[q].push(batch.jump[q][at]);
-                            history.traction[q].push(batch.traction[q][at]);
+                            history.jump[q].push(jump[q * n + at]);
+                            history.traction[q].push(traction[q * n + at]);
                         }
                     }
-                    for q in 0..3 {
-                        for i in 0..n {
-                            least[q][i] = least[q][i].min(batch.traction[q][i]);
-                            most[q][i] = most[q][i].max(batch.traction[q][i]);
-                        }
+                    for ((least, most), traction) in least.iter_mut().zip(&mut most).zip(traction) {
+                        *least = least.min(*traction);
+                        *most = most.max(*traction);
                     }
                 }
             }
         }
         let mut drift = [0.0; 2];
-        let weights = &self.force.weights()[range.clone()];
-        for q in 0..3 {
-            for (i, weight) in weights.iter().enumerate() {
-                drift[0] += weight * (batch.traction[q][i] - before[q][i]).abs();
-                drift[1] += weight * (most[q][i] - least[q][i]);
-            }
+        let weights = self.force.weights()[range.clone()].iter().cycle();
+        for (i, weight) in (0..3 * n).zip(weights) {
+            drift[0] += weight * (last[i] - before[i]).abs();
+            drift[1] += weight * (most[i] - least[i]);
         }
         BatchResponse {
             coefficients,
@@ -448,13 +456,11 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     /// Derivative of the contact forces at `motion` along `change`.
     pub(crate) fn derivative(&self, motion: &Harmonics, change: &Harmonics) -> Harmonics {
         let (jumps, changes) = (self.jumps(motion), self.jumps(change));
-        let answers: Vec<BatchResponse> = self
-            .force
-            .batches()
+        let answers: Vec<BatchResponse> = jumps
             .par_iter()
-            .zip(jumps.par_iter().zip(&changes))
+            .zip(&changes)
             .enumerate()
-            .map(|(index, (range, (jumps, changes)))| self.follow_change(index, range, jumps, changes))
+            .map(|(index, (jumps, changes))| self.follow_change(index, jumps, changes))
             .collect();
         self.collect(&answers, motion.size())
     }
@@ -469,14 +475,12 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     ) -> [Harmonics; 2] {
         let jumps = self.jumps(motion);
         let changes = change.map(|part| self.jumps(part));
-        let answers: Vec<[BatchResponse; 2]> = self
-            .force
-            .batches()
+        let answers: Vec<[BatchResponse; 2]> = jumps
             .par_iter()
             .enumerate()
-            .map(|(index, range)| {
+            .map(|(index, jumps)| {
                 let changes = changes.each_ref().map(|part| part[index].as_slice());
-                self.follow_growth(index, range, &jumps[index], changes, growth)
+                self.follow_growth(index, jumps, changes, growth)
             })
             .collect();
         let (re, im): (Vec<_>, Vec<_>) = answers.into_iter().map(|[re, im]| (re, im)).unzip();
@@ -498,7 +502,7 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
             .par_iter()
             .zip(&jumps)
             .enumerate()
-            .map(|(index, (range, jumps))| self.follow_parameter(index, range, jumps, rate, &at_rest))
+            .map(|(index, (range, jumps))| self.follow_parameter(index, jumps, rate, &stacked(&at_rest, range)))
             .collect();
         let mut change = self.collect(&answers, motion.size());
         let mean = change.column_mut(0).iter_mut();
@@ -510,39 +514,37 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     fn follow_parameter(
         &self,
         index: usize,
-        range: &Range<usize>,
         jumps: &[f64],
         rate: &ParameterRate<'_, F>,
-        at_rest: &[Vec<f64>; 3],
+        at_rest: &[f64],
     ) -> BatchResponse
     where
         F: DifferentiablePointwiseForce,
     {
-        let mut change = Batch::new(range.len(), self.force.n_state(index));
+        let mut change = Batch::new(at_rest.len() / 3, self.force.n_state(index));
         self.force.state_of(index, &rate.state.state, &mut change.begin);
-        let place = |_, jump: &mut [Vec<f64>; 3]| {
-            for (jump, at_rest) in jump.iter_mut().zip(at_rest) {
-                jump.copy_from_slice(&at_rest[range.clone()]);
+        let place = |_: &_, steps: &mut [f64]| {
+            for step in steps.chunks_exact_mut(at_rest.len()) {
+                step.copy_from_slice(at_rest);
             }
         };
         match rate.change.force {
-            None => self.follow_along(index, range, jumps, change, place, |batch, change| {
-                self.differentiate(index, batch, change);
+            None => self.follow_along(index, jumps, change, place, |batch, change, step| {
+                self.differentiate(index, batch, change, step);
             }),
-            Some(parameter) => self.follow_along(index, range, jumps, change, place, |batch, change| {
-                let n = batch.jump[0].len();
-                let [x, y, normal] = &batch.jump;
+            Some(parameter) => self.follow_along(index, jumps, change, place, |batch, change, step| {
+                let (n, own) = (batch.n, batch.steps(step..step + 1));
                 self.force.parameter_batch(
                     index,
                     parameter,
-                    Components { x, y, n: normal },
+                    Components::stacked(&batch.jump[own.clone()]),
                     StateView::new(&batch.begin, n, 0),
-                    components_mut(&mut change.jump),
+                    ComponentsMut::stacked(&mut change.jump[own.clone()]),
                     &mut change.begin,
                     StateViewMut::new(&mut batch.end, n, 0),
                     StateViewMut::new(&mut change.end, n, 0),
-                    components_mut(&mut batch.traction),
-                    components_mut(&mut change.traction),
+                    ComponentsMut::stacked(&mut batch.traction[own.clone()]),
+                    ComponentsMut::stacked(&mut change.traction[own]),
                 );
             }),
         }
@@ -552,58 +554,60 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     fn follow_growth(
         &self,
         index: usize,
-        range: &Range<usize>,
         jumps: &[f64],
         changes: [&[f64]; 2],
         growth: Complex<f64>,
     ) -> [BatchResponse; 2] {
-        let n = range.len();
-        let n_state = self.force.n_state(index);
-        let mut batch = Batch::new(n, n_state);
-        self.force.state_of(index, self.state, &mut batch.begin);
+        let n = self.jump[index].len() / 3;
+        let mut batch = self.begin(index, n);
         // Without the imaginary part there is one real motion, and not two.
         let is_real = growth.im == 0.0 && changes[1].iter().all(|value| *value == 0.0);
         let mut grown: Vec<Batch> = (0..if is_real { 1 } else { 2 })
-            .map(|_| Batch::new(n, n_state))
+            .map(|_| Batch::new(n, self.force.n_state(index)))
             .collect();
         let mut own = changes.map(|_| Batch::new(n, 0).jump);
         let mut coefficients = [vec![0.0; jumps.len()], vec![0.0; jumps.len()]];
         let Sampling { samples, periods, .. } = self.sampling;
         for period in 1..=periods {
-            for sample in 0..samples {
-                self.place(jumps, sample, range, &mut batch);
+            for stretch in self.sampling.stretches(0) {
+                let whole = batch.steps(0..stretch.len());
+                self.place(index, jumps, &stretch, &mut batch);
                 for (own, changes) in own.iter_mut().zip(changes) {
-                    self.synthesise(changes, sample, own);
+                    self.synthesise(Accum::Replace, changes, &stretch, &mut own[whole.clone()]);
                 }
-                let time = period as f64 - periods as f64 + sample as f64 / samples as f64;
-                let factor = (growth * time).exp();
-                for (part, change) in grown.iter_mut().enumerate() {
-                    let [a, b] = part_of_product(factor, part);
-                    for (q, jump) in change.jump.iter_mut().enumerate() {
-                        for (jump, (re, im)) in jump.iter_mut().zip(own[0][q].iter().zip(&own[1][q])) {
+                for (step, sample) in stretch.clone().enumerate() {
+                    let time = period as f64 - periods as f64 + sample as f64 / samples as f64;
+                    let factor = (growth * time).exp();
+                    let at = batch.steps(step..step + 1);
+                    for (part, change) in grown.iter_mut().enumerate() {
+                        let [a, b] = part_of_product(factor, part);
+                        let parts = own[0][at.clone()].iter().zip(&own[1][at.clone()]);
+                        for (jump, (re, im)) in change.jump[at.clone()].iter_mut().zip(parts) {
                             *jump = a * re + b * im;
                         }
+                        self.differentiate(index, &mut batch, change, step);
+                        change.commit();
                     }
-                    self.differentiate(index, &mut batch, change);
-                    std::mem::swap(&mut change.begin, &mut change.end);
-                }
-                std::mem::swap(&mut batch.begin, &mut batch.end);
-                if period < periods {
-                    continue;
-                }
-                let factor = (-growth * time).exp();
-                let mut tractions = grown.iter().map(|change| &change.traction);
-                let (Some(re), im) = (tractions.next(), tractions.next()) else {
-                    continue;
-                };
-                for (part, own) in own.iter_mut().enumerate() {
-                    let [a, b] = part_of_product(factor, part);
-                    for (q, values) in own.iter_mut().enumerate() {
-                        for (i, value) in values.iter_mut().enumerate() {
-                            *value = a * re[q][i] + im.map_or(0.0, |im| b * im[q][i]);
+                    batch.commit();
+                    if period < periods {
+                        continue;
+                    }
+                    let factor = (-growth * time).exp();
+                    let mut tractions = grown.iter().map(|change| &change.traction);
+                    let (Some(re), im) = (tractions.next(), tractions.next()) else {
+                        continue;
+                    };
+                    for (part, own) in own.iter_mut().enumerate() {
+                        let [a, b] = part_of_product(factor, part);
+                        for i in at.clone() {
+                            own[i] = a * re[i] + im.map_or(0.0, |im| b * im[i]);
                         }
                     }
-                    self.analyse(own, sample, &mut coefficients[part]);
+                }
+                if period == periods {
+                    for (own, coefficients) in own.iter().zip(&mut coefficients) {
+                        self.analyse(&own[whole.clone()], &stretch, coefficients);
+                    }
                 }
             }
         }
@@ -615,37 +619,38 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
     }
 
     /// Derivative of one batch along all periods. The static state does not change.
-    fn follow_change(&self, index: usize, range: &Range<usize>, jumps: &[f64], changes: &[f64]) -> BatchResponse {
-        let change = Batch::new(range.len(), self.force.n_state(index));
-        let place = |sample, jump: &mut [Vec<f64>; 3]| self.synthesise(changes, sample, jump);
-        self.follow_along(index, range, jumps, change, place, |batch, change| {
-            self.differentiate(index, batch, change);
+    fn follow_change(&self, index: usize, jumps: &[f64], changes: &[f64]) -> BatchResponse {
+        let change = Batch::new(self.jump[index].len() / 3, self.force.n_state(index));
+        let place = |samples: &_, steps: &mut [f64]| self.synthesise(Accum::Replace, changes, samples, steps);
+        self.follow_along(index, jumps, change, place, |batch, change, step| {
+            self.differentiate(index, batch, change, step);
         })
     }
 
-    /// Derivative of one batch along all periods, from the change of its history in `change`. `place` brings the change of the jumps to that of a
-    /// sample, and `differentiate` evaluates both.
+    /// Derivative of one batch along all periods, from the change of its history in `change`. `place` brings the changes of the jumps to those of a
+    /// stretch, and `differentiate` evaluates both at a step.
     fn follow_along(
         &self,
         index: usize,
-        range: &Range<usize>,
         jumps: &[f64],
         mut change: Batch,
-        place: impl Fn(usize, &mut [Vec<f64>; 3]),
-        differentiate: impl Fn(&mut Batch, &mut Batch),
+        place: impl Fn(&Range<usize>, &mut [f64]),
+        differentiate: impl Fn(&mut Batch, &mut Batch, usize),
     ) -> BatchResponse {
-        let mut batch = Batch::new(range.len(), self.force.n_state(index));
-        self.force.state_of(index, self.state, &mut batch.begin);
+        let mut batch = self.begin(index, change.n);
         let mut coefficients = vec![0.0; jumps.len()];
         for period in 1..=self.sampling.periods {
-            for sample in 0..self.sampling.samples {
-                self.place(jumps, sample, range, &mut batch);
-                place(sample, &mut change.jump);
-                differentiate(&mut batch, &mut change);
-                std::mem::swap(&mut batch.begin, &mut batch.end);
-                std::mem::swap(&mut change.begin, &mut change.end);
+            for samples in self.sampling.stretches(0) {
+                let whole = batch.steps(0..samples.len());
+                self.place(index, jumps, &samples, &mut batch);
+                place(&samples, &mut change.jump[whole.clone()]);
+                for step in 0..samples.len() {
+                    differentiate(&mut batch, &mut change, step);
+                    batch.commit();
+                    change.commit();
+                }
                 if period == self.sampling.periods {
-                    self.analyse(&change.traction, sample, &mut coefficients);
+                    self.analyse(&change.traction[whole], &samples, &mut coefficients);
                 }
             }
         }
@@ -656,20 +661,28 @@ impl<'a, F: PointwiseForce> Contact<'a, F> {
         }
     }
 
-    /// Evaluates a batch and its change.
-    fn differentiate(&self, index: usize, batch: &mut Batch, change: &mut Batch) {
-        let n = batch.jump[0].len();
-        let ([x, y, normal], [d_x, d_y, d_n]) = (&batch.jump, &change.jump);
+    /// Evaluates a step of a batch and its change.
+    fn differentiate(&self, index: usize, batch: &mut Batch, change: &mut Batch, step: usize) {
+        let (n, own) = (batch.n, batch.steps(step..step + 1));
         self.force.derivative_batch(
             index,
-            Components { x, y, n: normal },
+            Components::stacked(&batch.jump[own.clone()]),
             StateView::new(&batch.begin, n, 0),
-            Components { x: d_x, y: d_y, n: d_n },
+            Components::stacked(&change.jump[own.clone()]),
             StateView::new(&change.begin, n, 0),
             StateViewMut::new(&mut batch.end, n, 0),
             StateViewMut::new(&mut change.end, n, 0),
-            components_mut(&mut batch.traction),
-            components_mut(&mut change.traction),
+            ComponentsMut::stacked(&mut batch.traction[own.clone()]),
+            ComponentsMut::stacked(&mut change.traction[own]),
         );
     }
+}
+
+/// The fields of some points one after the other.
+fn stacked(fields: &[Vec<f64>; 3], points: &Range<usize>) -> Vec<f64> {
+    fields
+        .iter()
+        .flat_map(|field| &field[points.clone()])
+        .copied()
+        .collect()
 }

@@ -38,6 +38,22 @@ pub trait PointwiseForce: HystereticForce {
         traction: ComponentsMut<'_>,
         tangent: Option<TangentMut<'_>>,
     );
+    /// Tractions of a batch along a path, step by step: `path` and `traction` are `[step][component][point]`, `state` becomes that at the end, and `room` is as
+    /// large as it.
+    fn follow_batch(&self, batch: usize, path: &[f64], state: &mut [f64], room: &mut [f64], traction: &mut [f64]) {
+        let n = self.batches()[batch].len();
+        for (jump, traction) in path.chunks_exact(3 * n).zip(traction.chunks_exact_mut(3 * n)) {
+            self.evaluate_batch(
+                batch,
+                Components::stacked(jump),
+                StateView::new(state, n, 0),
+                StateViewMut::new(room, n, 0),
+                ComponentsMut::stacked(traction),
+                None,
+            );
+            state.copy_from_slice(room);
+        }
+    }
     /// The same with their derivatives along a change of jump and begin state
     /// ([`TractionLaw::derivative`](contact_laws::TractionLaw::derivative)).
     fn derivative_batch(

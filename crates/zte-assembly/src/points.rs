@@ -129,6 +129,24 @@ impl Interface {
         law.evaluate(of_law, sticking, jump, begin, end, traction, tangent, None)
     }
 
+    /// Tractions of a batch along a path ([`TractionLaw::follow`](contact_laws::TractionLaw::follow)).
+    ///
+    /// # Panics
+    /// If a slice has the wrong length.
+    pub fn follow_batch(
+        &self,
+        batches: &Batches,
+        batch: usize,
+        sticking: Sticking,
+        path: &[f64],
+        state: &mut [f64],
+        room: &mut [f64],
+        traction: &mut [f64],
+    ) {
+        let (law, of_law) = self.batch_law(batches, batch);
+        law.follow(of_law, sticking, path, state, room, traction);
+    }
+
     /// The same with their derivatives along a direction ([`TractionLaw::derivative`](contact_laws::TractionLaw::derivative)).
     ///
     /// # Panics

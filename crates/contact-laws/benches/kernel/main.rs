@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use contact_laws::*;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use workload::{Batch, asperity_sums, fitted_curves};
+use workload::{Batch, Path, asperity_sums, fitted_curves};
 
 const N: usize = 15_000;
 /// Stick, slip and open points in turn.
@@ -118,5 +118,31 @@ fn sizes(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, kinds, sizes);
+/// A period of a sine along the surface, from the steps of it one by one and followed at once; its amplitude is a share of what gross slip takes.
+fn paths(criterion: &mut Criterion) {
+    const POINTS: usize = 256;
+    const STEPS: usize = 64;
+    let laws = laws().unwrap_or_else(|error| panic!("{error}"));
+    let mut group = criterion.benchmark_group("path");
+    group
+        .throughput(Throughput::Elements((POINTS * STEPS) as u64))
+        .sample_size(20);
+    for (name, law) in laws
+        .iter()
+        .filter(|(name, _)| ["fitted", "foundation-64"].contains(name))
+    {
+        for (label, share) in [("little", 0.03), ("half", 0.5), ("gross", 3.0)] {
+            let mut path = Path::new(&**law, POINTS, STEPS, share);
+            group.bench_function(BenchmarkId::new(format!("{name}/steps"), label), |b| {
+                b.iter(|| black_box(path.step_by_step(&**law)));
+            });
+            group.bench_function(BenchmarkId::new(format!("{name}/followed"), label), |b| {
+                b.iter(|| black_box(path.follow(&**law)));
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, kinds, sizes, paths);
 criterion_main!(benches);

@@ -98,6 +98,83 @@ impl Batch {
     }
 }
 
+/// A period of motion along the surface of some points, and memory for what a law answers.
+#[derive(Debug, Clone)]
+pub(crate) struct Path {
+    n: usize,
+    jumps: Vec<f64>,
+    state: Vec<f64>,
+    room: Vec<f64>,
+    traction: Vec<f64>,
+}
+
+impl Path {
+    /// `n` points under interferences from 3 to 7 um that vary a little, moved by a sine of `steps` samples and `share` of what gross slip takes at a
+    /// friction coefficient of 0.2.
+    pub(crate) fn new<L: TractionLaw + ?Sized>(law: &L, n: usize, steps: usize, share: f64) -> Self {
+        let u_n = |i: usize| 5e-6 * (1.0 + 0.4 * (i as f64 * 0.061).sin());
+        let jumps = (0..steps).flat_map(|step| {
+            let phase = std::f64::consts::TAU * step as f64 / steps as f64;
+            let of = move |q: usize, i: usize| match q {
+                0 => 0.25 * share * u_n(i) * phase.sin(),
+                1 => 0.05 * share * u_n(i) * (2.0 * phase).cos(),
+                _ => u_n(i) * (1.0 + 1e-3 * share * phase.cos()),
+            };
+            (0..3).flat_map(move |q| (0..n).map(move |i| of(q, i)))
+        });
+        let mut state = vec![0.0; law.info().n_state() * n];
+        for i in 0..n {
+            state[2 * n + i] = u_n(i);
+        }
+        let mut path = Self {
+            n,
+            jumps: jumps.collect(),
+            room: state.clone(),
+            state,
+            traction: vec![0.0; 3 * n * steps],
+        };
+        // The cycle that repeats, not the first.
+        path.follow(law);
+        path
+    }
+
+    /// Follows the period at once.
+    pub(crate) fn follow<L: TractionLaw + ?Sized>(&mut self, law: &L) -> f64 {
+        let Self {
+            n,
+            jumps,
+            state,
+            room,
+            traction,
+        } = self;
+        law.follow(0..*n, Sticking::Coulomb, jumps, state, room, traction);
+        traction[0]
+    }
+
+    /// Follows the period by its steps.
+    pub(crate) fn step_by_step<L: TractionLaw + ?Sized>(&mut self, law: &L) -> f64 {
+        let n = self.n;
+        for (jump, traction) in self
+            .jumps
+            .chunks_exact(3 * n)
+            .zip(self.traction.chunks_exact_mut(3 * n))
+        {
+            law.evaluate(
+                0..n,
+                Sticking::Coulomb,
+                Components::stacked(jump),
+                StateView::new(&self.state, n, 0),
+                StateViewMut::new(&mut self.room, n, 0),
+                ComponentsMut::stacked(traction),
+                None,
+                None,
+            );
+            std::mem::swap(&mut self.state, &mut self.room);
+        }
+        self.traction[0]
+    }
+}
+
 /// Fitted curves that differ from point to point about those of a ground steel surface, with a fitted range or without.
 ///
 /// # Errors

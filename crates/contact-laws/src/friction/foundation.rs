@@ -101,7 +101,7 @@ use crate::curves::ContactCurves;
 use crate::error::{Error, Place, require};
 use crate::law::{
     Along, Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking,
-    TangentMut, TractionLaw, check_points, evaluates_by,
+    TangentMut, TractionLaw, check_points, evaluates_by, step_by_step,
 };
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
@@ -465,6 +465,14 @@ impl<C: ContactCurves> FoundationLaw<C> {
         &self.mu
     }
 
+    /// Springs' limits over their interference at points from `first` on.
+    fn reaches(&self, first: usize, reach: &mut [f64]) {
+        self.mu.copy_to(first, reach);
+        for (reach, ratio) in reach.iter_mut().zip(&self.ratios[first..]) {
+            *reach = bounded(*reach / ratio);
+        }
+    }
+
     /// Springs' limits over their interference at a block of points from `first` on.
     fn begin_block<const B: usize>(&self, first: usize, sticking: Sticking, m: usize, room: &mut Room<B>) {
         match sticking {
@@ -607,6 +615,53 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
     }
 
     evaluates_by!(evaluate_blocks in blocks);
+
+    /// Spring by spring through many steps at once: one that neither slips nor opens in them adds to the stiffness alone.
+    fn follow(
+        &self,
+        points: Range<usize>,
+        sticking: Sticking,
+        path: &[f64],
+        state: &mut [f64],
+        room: &mut [f64],
+        traction: &mut [f64],
+    ) {
+        check_points(&points, self);
+        if sticking != Sticking::Coulomb || !all_finite(path) || !all_finite(state) {
+            return step_by_step(self, points, sticking, path, state, room, traction);
+        }
+        let n = points.len();
+        let whole = n - n % WIDTH;
+        let mut reach = [0.0; WIDTH];
+        for from in (0..whole).step_by(WIDTH) {
+            let first = points.start + from;
+            self.reaches(first, &mut reach);
+            run(FollowedSprings::<_, WIDTH> {
+                law: self,
+                first,
+                n,
+                from,
+                reach,
+                path,
+                state,
+                traction,
+            });
+        }
+        for from in whole..n {
+            let first = points.start + from;
+            self.reaches(first, &mut reach[..1]);
+            run(FollowedSprings::<_, ONE> {
+                law: self,
+                first,
+                n,
+                from,
+                reach: [reach[0]],
+                path,
+                state,
+                traction,
+            });
+        }
+    }
 
     /// Spring by spring, without a derivative along any direction.
     fn transposed(
@@ -1122,6 +1177,190 @@ fn springs<const TANGENT: bool, const W: usize>(
             slipping[c][i] += slips;
         }
     }
+}
+
+/// Steps that are followed together.
+const TILE: usize = 32;
+
+/// What rounding may leave between a stretch that is bounded and one that is followed (relative).
+const BOUND_MARGIN: f64 = 1e-9;
+
+/// The springs of `W` points along a path.
+struct FollowedSprings<'a, C: ContactCurves, const W: usize> {
+    law: &'a FoundationLaw<C>,
+    /// The first of the points in the law and in the path, which has `n`.
+    first: usize,
+    from: usize,
+    n: usize,
+    reach: [f64; W],
+    path: &'a [f64],
+    state: &'a mut [f64],
+    traction: &'a mut [f64],
+}
+
+impl<C: ContactCurves, const W: usize> Pass for FollowedSprings<'_, C, W> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self {
+            law,
+            first,
+            from,
+            n,
+            reach,
+            path,
+            state,
+            traction,
+        } = self;
+        let n_points = law.ratios.len();
+        let mut at: [[f64; W]; 3] = [0, 1, 2].map(|q| lanes(&state[q * n + from..]));
+        for (path, traction) in path.chunks(TILE * 3 * n).zip(traction.chunks_mut(TILE * 3 * n)) {
+            let count = path.len() / (3 * n);
+            let mut steps = [Stage::<W>::ZERO; TILE];
+            let mut sums = [[[0.0; W]; 3]; TILE];
+            let (mut along, mut far) = ([[0.0; W]; 2], [0.0; W]);
+            let (mut low, mut high) = (at[2].map(bounded), [f64::NEG_INFINITY; W]);
+            for (step, jump) in steps.iter_mut().zip(path.chunks_exact(3 * n)) {
+                let u: [[f64; W]; 3] = [0, 1, 2].map(|q| lanes(&jump[q * n + from..]));
+                for i in 0..W {
+                    step.du_x[i] = bounded(u[0][i] - at[0][i]);
+                    step.du_y[i] = bounded(u[1][i] - at[1][i]);
+                    step.u_n[i] = bounded(u[2][i]);
+                    step.n_0[i] = bounded(at[2][i]);
+                    along[0][i] += step.du_x[i];
+                    along[1][i] += step.du_y[i];
+                    step.x[i] = along[0][i];
+                    step.y[i] = along[1][i];
+                    far[i] = max(far[i], along[0][i] * along[0][i] + along[1][i] * along[1][i]);
+                    low[i] = min(low[i], step.u_n[i]);
+                    high[i] = max(high[i], step.u_n[i]);
+                }
+                at = u;
+            }
+            for far in &mut far {
+                *far = far.sqrt();
+            }
+            let zero = [0.0; W];
+            let (mut stiff, mut pull_x, mut pull_y, mut push) = (zero, zero, zero, zero);
+            for spring in 0..law.n_springs {
+                let own = spring * n_points + first;
+                let gap: [f64; W] = lanes(&law.gaps[own..]);
+                let kappa: [f64; W] = lanes(&law.stiffnesses[own..]);
+                let (c_x, c_y) = ((N_JUMP + 2 * spring) * n + from, (N_JUMP + 2 * spring + 1) * n + from);
+                let (mut m_x, mut m_y): ([f64; W], [f64; W]) = (lanes(&state[c_x..]), lanes(&state[c_y..]));
+                let (mut moves, mut left) = ([false; W], zero);
+                for i in 0..W {
+                    let least = low[i] - gap[i];
+                    let limit = reach[i] * least;
+                    let most = (m_x[i] * m_x[i] + m_y[i] * m_y[i]).sqrt() + far[i];
+                    let rests = (least > 0.0) & ((1.0 + BOUND_MARGIN) * most < min(limit, LARGEST_STRETCH));
+                    left[i] = if rests { 1.0 } else { 0.0 };
+                    moves[i] = !rests & (high[i] > gap[i]);
+                }
+                if moves == [false; W] {
+                    for i in 0..W {
+                        let own = left[i] * kappa[i];
+                        stiff[i] += own;
+                        pull_x[i] += own * m_x[i];
+                        pull_y[i] += own * m_y[i];
+                        push[i] += own * (low[i] - gap[i]);
+                        m_x[i] = left[i] * (m_x[i] + along[0][i]);
+                        m_y[i] = left[i] * (m_y[i] + along[1][i]);
+                    }
+                } else {
+                    let stays_closed: [bool; W] = core::array::from_fn(|i| low[i] > gap[i]);
+                    let at = [gap, kappa, reach];
+                    let (steps, sums) = (&steps[..count], &mut sums);
+                    [m_x, m_y] = if stays_closed == [true; W] {
+                        moving::<true, W>(at, [m_x, m_y], steps, sums)
+                    } else {
+                        moving::<false, W>(at, [m_x, m_y], steps, sums)
+                    };
+                }
+                state[c_x..][..W].copy_from_slice(&m_x);
+                state[c_y..][..W].copy_from_slice(&m_y);
+            }
+            let ratio: [f64; W] = lanes(&law.ratios[first..]);
+            for ((step, sums), traction) in steps.iter().zip(&sums).zip(traction.chunks_exact_mut(3 * n)) {
+                let mut t = [[0.0; W]; 3];
+                for i in 0..W {
+                    t[0][i] = ratio[i] * (sums[0][i] + (stiff[i] * step.x[i] + pull_x[i]));
+                    t[1][i] = ratio[i] * (sums[1][i] + (stiff[i] * step.y[i] + pull_y[i]));
+                    t[2][i] = sums[2][i] + (stiff[i] * (step.u_n[i] - low[i]) + push[i]);
+                }
+                for (q, t) in t.iter().enumerate() {
+                    traction[q * n + from..][..W].copy_from_slice(t);
+                }
+            }
+        }
+        for (q, at) in at.iter().enumerate() {
+            state[q * n + from..][..W].copy_from_slice(at);
+        }
+    }
+}
+
+/// Adds what a spring that slips or opens pulls by in each of some steps, and returns its stretch after them. Where it is closed in all of them and
+/// before, it does not reclose.
+#[inline(always)]
+fn moving<const CLOSED: bool, const W: usize>(
+    [gap, kappa, reach]: [[f64; W]; 3],
+    [mut x, mut y]: [[f64; W]; 2],
+    steps: &[Stage<W>],
+    sums: &mut [[[f64; W]; 3]],
+) -> [[f64; W]; 2] {
+    for (step, sums) in steps.iter().zip(sums) {
+        for i in 0..W {
+            let w = step.u_n[i] - gap[i];
+            let before = if CLOSED { 1.0 } else { step.n_0[i] - gap[i] };
+            let found = answer([w, before], [step.du_x[i], step.du_y[i]], [x[i], y[i]], reach[i], false);
+            [x[i], y[i]] = found.stretch;
+            sums[0][i] += kappa[i] * x[i];
+            sums[1][i] += kappa[i] * y[i];
+            sums[2][i] += kappa[i] * max(w, 0.0);
+        }
+    }
+    [x, y]
+}
+
+/// The largest stretch.
+const LARGEST_STRETCH: f64 = 1e150;
+
+/// A step of `W` points in numbers of which products are finite, and how far they have come since the first of the tile.
+#[derive(Clone, Copy)]
+struct Stage<const W: usize> {
+    du_x: [f64; W],
+    du_y: [f64; W],
+    u_n: [f64; W],
+    n_0: [f64; W],
+    x: [f64; W],
+    y: [f64; W],
+}
+
+impl<const W: usize> Stage<W> {
+    const ZERO: Self = Self {
+        du_x: [0.0; W],
+        du_y: [0.0; W],
+        u_n: [0.0; W],
+        n_0: [0.0; W],
+        x: [0.0; W],
+        y: [0.0; W],
+    };
+}
+
+/// Whether no number is infinite or none, by eight sums at once.
+fn all_finite(values: &[f64]) -> bool {
+    let mut zeros = [0.0; WIDTH];
+    for chunk in values.chunks(WIDTH) {
+        for (zero, value) in zeros.iter_mut().zip(chunk) {
+            *zero += 0.0 * value;
+        }
+    }
+    zeros == [0.0; WIDTH]
+}
+
+/// The first `W` numbers.
+#[inline(always)]
+fn lanes<const W: usize>(values: &[f64]) -> [f64; W] {
+    core::array::from_fn(|i| values[i])
 }
 
 /// What one spring changes along a direction.

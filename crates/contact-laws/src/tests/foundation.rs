@@ -642,3 +642,61 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_path_followed_at_once_is_that_of_its_steps() {
+    use crate::law::step_by_step;
+    // Eleven points: eight together and three alone.
+    const N: usize = 11;
+    const STEPS: usize = 100;
+    let curves = PointParameters::uniform(sphere(1e-8, 1e-4), N);
+    let mu = PointParameters::uniform(0.3, N);
+    let law = FoundationLaw::of_curves(curves, mu, STEEL.mindlin_ratio(), 24, REACH).unwrap();
+    let n_state = law.info().n_state();
+    // From motions that let nothing slip to some that open and reclose every point.
+    for (size, swing) in [(1e-12, 0.0), (1e-9, 1e-10), (1e-8, 2e-7), (1e-6, 2e-6), (1e-6, 5e-5)] {
+        let path: Vec<f64> = (0..STEPS)
+            .flat_map(|step| {
+                let phase = 0.21 * step as f64;
+                let of = move |q: usize, i: usize| match q {
+                    0 => size * (phase + i as f64).sin(),
+                    1 => 0.3 * size * (2.0 * phase + 0.1 * i as f64).cos(),
+                    _ => 1e-6 + 1e-7 * i as f64 + swing * (1.3 * phase).sin(),
+                };
+                (0..3).flat_map(move |q| (0..N).map(move |i| of(q, i)))
+            })
+            .collect();
+        let mut states = [0, 1].map(|_| {
+            let mut state = vec![0.0; n_state * N];
+            state[2 * N..3 * N].fill(1e-6);
+            state
+        });
+        let mut tractions = [0, 1].map(|_| vec![0.0; path.len()]);
+        let mut room = vec![0.0; n_state * N];
+        step_by_step(
+            &law,
+            0..N,
+            Sticking::Coulomb,
+            &path,
+            &mut states[0],
+            &mut room,
+            &mut tractions[0],
+        );
+        law.follow(
+            0..N,
+            Sticking::Coulomb,
+            &path,
+            &mut states[1],
+            &mut room,
+            &mut tractions[1],
+        );
+        let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let apart = |of: &[Vec<f64>; 2]| {
+            let differences: Vec<f64> = of[0].iter().zip(&of[1]).map(|(a, b)| a - b).collect();
+            largest(&differences) / largest(&of[0])
+        };
+        let found = [apart(&tractions), apart(&states)];
+        println!("{size:e} {swing:e}: {found:?} {:e}", largest(&tractions[0]));
+        assert!(found.iter().all(|error| *error < 1e-13), "{found:?}");
+    }
+}

@@ -268,6 +268,11 @@ impl PointwiseForce for InterfaceForce<'_> {
             .evaluate_batch(batches, batch, friction, jump, begin, end, traction, tangent);
     }
 
+    fn follow_batch(&self, batch: usize, path: &[f64], state: &mut [f64], room: &mut [f64], traction: &mut [f64]) {
+        self.interface
+            .follow_batch(&self.batches, batch, self.friction, path, state, room, traction);
+    }
+
     fn assemble_tangent(&self, tangent: [&[f64]; 9], values: &mut [f64]) {
         self.interface.integrate_tangent(tangent, values);
     }

@@ -259,8 +259,12 @@ impl Law {
         let n = self.law.len();
         let (jump, state) = (self.jump("jump", jump)?, self.state("state", state)?);
         let (jump, state) = (slice("jump", &jump)?, slice("state", &state)?);
-        let found = LinearisedContact::about(self.law.as_ref(), components(jump, n), StateView::new(state, n, 0))
-            .map_err(refused)?;
+        let found = LinearisedContact::about(
+            self.law.as_ref(),
+            Components::stacked(jump),
+            StateView::new(state, n, 0),
+        )
+        .map_err(refused)?;
         let points = found.points();
         let column = |of: &dyn Fn(&StaticPoint) -> f64| {
             let values = points.iter().map(|point| point.as_ref().map_or(0.0, of));
@@ -357,14 +361,14 @@ impl Law {
             law.derivative(
                 0..n,
                 sticking,
-                components(jump, n),
+                Components::stacked(jump),
                 StateView::new(begin, n, 0),
-                components(d_jump, n),
+                Components::stacked(d_jump),
                 StateView::new(d_begin, n, 0),
                 StateViewMut::new(end, n, 0),
                 StateViewMut::new(d_end, n, 0),
-                components_mut(traction, n),
-                components_mut(d_traction, n),
+                ComponentsMut::stacked(traction),
+                ComponentsMut::stacked(d_traction),
             )
         });
         Ok(())
@@ -387,10 +391,10 @@ impl Law {
             law.evaluate(
                 0..n,
                 Sticking::Coulomb,
-                components(jump, n),
+                Components::stacked(jump),
                 StateView::new(begin, n, 0),
                 StateViewMut::new(&mut end, n, 0),
-                components_mut(&mut traction, n),
+                ComponentsMut::stacked(&mut traction),
                 None,
                 Some(&mut regimes),
             );
@@ -429,16 +433,6 @@ fn contiguous<T, E>(slice: Result<T, E>) -> Result<T, Exception> {
     slice.map_err(|_| input("arrays that are written must be contiguous in C order"))
 }
 
-fn components(values: &[f64], n: usize) -> Components<'_> {
-    Components::new(&values[..n], &values[n..2 * n], &values[2 * n..])
-}
-
-fn components_mut(values: &mut [f64], n: usize) -> ComponentsMut<'_> {
-    let (x, rest) = values.split_at_mut(n);
-    let (y, normal) = rest.split_at_mut(n);
-    ComponentsMut::new(x, y, normal)
-}
-
 /// One evaluation at all points, on arrays of the right size.
 fn evaluate(
     law: &dyn TractionLaw,
@@ -460,10 +454,10 @@ fn evaluate(
     law.evaluate(
         0..n,
         sticking,
-        components(jump, n),
+        Components::stacked(jump),
         StateView::new(begin, n, 0),
         StateViewMut::new(end, n, 0),
-        components_mut(traction, n),
+        ComponentsMut::stacked(traction),
         tangent,
         None,
     );
