@@ -627,7 +627,7 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
         traction: &mut [f64],
     ) {
         check_points(&points, self);
-        if sticking != Sticking::Coulomb || !all_finite(path) || !all_finite(state) {
+        if sticking != Sticking::Coulomb || !are_moderate(path) || !are_moderate(state) {
             return step_by_step(self, points, sticking, path, state, room, traction);
         }
         let n = points.len();
@@ -1185,7 +1185,10 @@ const TILE: usize = 32;
 /// What rounding may leave between a stretch that is bounded and one that is followed (relative).
 const BOUND_MARGIN: f64 = 1e-9;
 
-/// The springs of `W` points along a path.
+/// The springs of `W` points along a path, some steps at a time.
+///
+/// A spring is stretched by no more than it was before them, and the farthest motion in them. If its limit at the least interference is larger, it
+/// pulls by its stiffness times the motion: such springs are added up before the steps.
 struct FollowedSprings<'a, C: ContactCurves, const W: usize> {
     law: &'a FoundationLaw<C>,
     /// The first of the points in the law and in the path, which has `n`.
@@ -1218,14 +1221,14 @@ impl<C: ContactCurves, const W: usize> Pass for FollowedSprings<'_, C, W> {
             let mut steps = [Stage::<W>::ZERO; TILE];
             let mut sums = [[[0.0; W]; 3]; TILE];
             let (mut along, mut far) = ([[0.0; W]; 2], [0.0; W]);
-            let (mut low, mut high) = (at[2].map(bounded), [f64::NEG_INFINITY; W]);
+            let (mut low, mut high) = (at[2], [f64::NEG_INFINITY; W]);
             for (step, jump) in steps.iter_mut().zip(path.chunks_exact(3 * n)) {
                 let u: [[f64; W]; 3] = [0, 1, 2].map(|q| lanes(&jump[q * n + from..]));
                 for i in 0..W {
-                    step.du_x[i] = bounded(u[0][i] - at[0][i]);
-                    step.du_y[i] = bounded(u[1][i] - at[1][i]);
-                    step.u_n[i] = bounded(u[2][i]);
-                    step.n_0[i] = bounded(at[2][i]);
+                    step.du_x[i] = u[0][i] - at[0][i];
+                    step.du_y[i] = u[1][i] - at[1][i];
+                    step.u_n[i] = u[2][i];
+                    step.n_0[i] = at[2][i];
                     along[0][i] += step.du_x[i];
                     along[1][i] += step.du_y[i];
                     step.x[i] = along[0][i];
@@ -1241,43 +1244,50 @@ impl<C: ContactCurves, const W: usize> Pass for FollowedSprings<'_, C, W> {
             }
             let zero = [0.0; W];
             let (mut stiff, mut pull_x, mut pull_y, mut push) = (zero, zero, zero, zero);
+            let mut waiting: Option<Moving<W>> = None;
             for spring in 0..law.n_springs {
                 let own = spring * n_points + first;
                 let gap: [f64; W] = lanes(&law.gaps[own..]);
                 let kappa: [f64; W] = lanes(&law.stiffnesses[own..]);
-                let (c_x, c_y) = ((N_JUMP + 2 * spring) * n + from, (N_JUMP + 2 * spring + 1) * n + from);
-                let (mut m_x, mut m_y): ([f64; W], [f64; W]) = (lanes(&state[c_x..]), lanes(&state[c_y..]));
-                let (mut moves, mut left) = ([false; W], zero);
+                let at = [0, 1].map(|q| (N_JUMP + 2 * spring + q) * n + from);
+                let [mut m_x, mut m_y]: [[f64; W]; 2] = at.map(|at| lanes(&state[at..]));
+                let (mut turns, mut slips, mut closed) = ([false; W], [false; W], [false; W]);
                 for i in 0..W {
                     let least = low[i] - gap[i];
-                    let limit = reach[i] * least;
-                    let most = (m_x[i] * m_x[i] + m_y[i] * m_y[i]).sqrt() + far[i];
-                    let rests = (least > 0.0) & ((1.0 + BOUND_MARGIN) * most < min(limit, LARGEST_STRETCH));
-                    left[i] = if rests { 1.0 } else { 0.0 };
-                    moves[i] = !rests & (high[i] > gap[i]);
+                    let most = (1.0 + BOUND_MARGIN) * ((m_x[i] * m_x[i] + m_y[i] * m_y[i]).sqrt() + far[i]);
+                    closed[i] = least > 0.0;
+                    turns[i] = !closed[i] & (high[i] > gap[i]);
+                    slips[i] = closed[i] & (most >= reach[i] * least);
                 }
-                if moves == [false; W] {
+                if turns == [false; W] && slips == [false; W] {
                     for i in 0..W {
-                        let own = left[i] * kappa[i];
+                        let left = if closed[i] { 1.0 } else { 0.0 };
+                        let own = left * kappa[i];
                         stiff[i] += own;
                         pull_x[i] += own * m_x[i];
                         pull_y[i] += own * m_y[i];
                         push[i] += own * (low[i] - gap[i]);
-                        m_x[i] = left[i] * (m_x[i] + along[0][i]);
-                        m_y[i] = left[i] * (m_y[i] + along[1][i]);
+                        m_x[i] = left * (m_x[i] + along[0][i]);
+                        m_y[i] = left * (m_y[i] + along[1][i]);
                     }
-                } else {
-                    let stays_closed: [bool; W] = core::array::from_fn(|i| low[i] > gap[i]);
-                    let at = [gap, kappa, reach];
-                    let (steps, sums) = (&steps[..count], &mut sums);
-                    [m_x, m_y] = if stays_closed == [true; W] {
-                        moving::<true, W>(at, [m_x, m_y], steps, sums)
-                    } else {
-                        moving::<false, W>(at, [m_x, m_y], steps, sums)
-                    };
+                    state[at[0]..][..W].copy_from_slice(&m_x);
+                    state[at[1]..][..W].copy_from_slice(&m_y);
+                    continue;
                 }
-                state[c_x..][..W].copy_from_slice(&m_x);
-                state[c_y..][..W].copy_from_slice(&m_y);
+                let this = Moving {
+                    at,
+                    gap,
+                    kappa,
+                    stretch: [m_x, m_y],
+                    turns: turns != [false; W],
+                };
+                match waiting.take() {
+                    None => waiting = Some(this),
+                    Some(other) => move_springs([other, this], &reach, &steps[..count], &mut sums, state),
+                }
+            }
+            if let Some(last) = waiting {
+                move_springs([last], &reach, &steps[..count], &mut sums, state);
             }
             let ratio: [f64; W] = lanes(&law.ratios[first..]);
             for ((step, sums), traction) in steps.iter().zip(&sums).zip(traction.chunks_exact_mut(3 * n)) {
@@ -1298,31 +1308,73 @@ impl<C: ContactCurves, const W: usize> Pass for FollowedSprings<'_, C, W> {
     }
 }
 
-/// Adds what a spring that slips or opens pulls by in each of some steps, and returns its stretch after them. Where it is closed in all of them and
-/// before, it does not reclose.
-#[inline(always)]
-fn moving<const CLOSED: bool, const W: usize>(
-    [gap, kappa, reach]: [[f64; W]; 3],
-    [mut x, mut y]: [[f64; W]; 2],
-    steps: &[Stage<W>],
-    sums: &mut [[[f64; W]; 3]],
-) -> [[f64; W]; 2] {
-    for (step, sums) in steps.iter().zip(sums) {
-        for i in 0..W {
-            let w = step.u_n[i] - gap[i];
-            let before = if CLOSED { 1.0 } else { step.n_0[i] - gap[i] };
-            let found = answer([w, before], [step.du_x[i], step.du_y[i]], [x[i], y[i]], reach[i], false);
-            [x[i], y[i]] = found.stretch;
-            sums[0][i] += kappa[i] * x[i];
-            sums[1][i] += kappa[i] * y[i];
-            sums[2][i] += kappa[i] * max(w, 0.0);
-        }
-    }
-    [x, y]
+/// A spring that slips, opens or closes in some of the steps of a tile.
+struct Moving<const W: usize> {
+    /// Where its stretch stands in the state.
+    at: [usize; 2],
+    gap: [f64; W],
+    kappa: [f64; W],
+    stretch: [[f64; W]; 2],
+    /// Whether it opens or closes.
+    turns: bool,
 }
 
-/// The largest stretch.
-const LARGEST_STRETCH: f64 = 1e150;
+/// Follows some springs. One waits for a root and a quotient at each step; two wait for theirs together.
+#[inline(always)]
+fn move_springs<const S: usize, const W: usize>(
+    mut springs: [Moving<W>; S],
+    reach: &[f64; W],
+    steps: &[Stage<W>],
+    sums: &mut [[[f64; W]; 3]],
+    state: &mut [f64],
+) {
+    match springs.iter().any(|spring| spring.turns) {
+        true => move_each::<true, S, W>(&mut springs, reach, steps, sums),
+        false => move_each::<false, S, W>(&mut springs, reach, steps, sums),
+    }
+    for spring in springs {
+        for (at, stretch) in spring.at.into_iter().zip(&spring.stretch) {
+            state[at..][..W].copy_from_slice(stretch);
+        }
+    }
+}
+
+/// As [`answer`], in numbers of which no product overflows.
+#[inline(always)]
+fn move_each<const TURNS: bool, const S: usize, const W: usize>(
+    springs: &mut [Moving<W>; S],
+    reach: &[f64; W],
+    steps: &[Stage<W>],
+    sums: &mut [[[f64; W]; 3]],
+) {
+    for (step, sums) in steps.iter().zip(sums) {
+        for spring in &mut *springs {
+            let [m_x, m_y] = &mut spring.stretch;
+            for i in 0..W {
+                let (gap, kappa) = (spring.gap[i], spring.kappa[i]);
+                let (w, w_0) = (step.u_n[i] - gap, step.n_0[i] - gap);
+                let share = if TURNS & (w > 0.0) & (w_0 < 0.0) {
+                    w / (w - w_0)
+                } else {
+                    1.0
+                };
+                let (x, y) = (m_x[i] + share * step.du_x[i], m_y[i] + share * step.du_y[i]);
+                let w = max(w, 0.0);
+                let limit = reach[i] * w;
+                let square = x * x + y * y;
+                let left = if square <= limit * limit {
+                    1.0
+                } else {
+                    limit / square.sqrt()
+                };
+                (m_x[i], m_y[i]) = (left * x, left * y);
+                sums[0][i] += kappa * m_x[i];
+                sums[1][i] += kappa * m_y[i];
+                sums[2][i] += kappa * w;
+            }
+        }
+    }
+}
 
 /// A step of `W` points in numbers of which products are finite, and how far they have come since the first of the tile.
 #[derive(Clone, Copy)]
@@ -1346,18 +1398,22 @@ impl<const W: usize> Stage<W> {
     };
 }
 
-/// Whether no number is infinite or none, by eight sums at once.
-fn all_finite(values: &[f64]) -> bool {
-    let mut zeros = [0.0; WIDTH];
+/// Whether all numbers are far from where their products overflow, by eight sums at once.
+fn are_moderate(values: &[f64]) -> bool {
+    let mut squares = [0.0; WIDTH];
     for chunk in values.chunks(WIDTH) {
-        for (zero, value) in zeros.iter_mut().zip(chunk) {
-            *zero += 0.0 * value;
+        for (square, value) in squares.iter_mut().zip(chunk) {
+            *square += value * value;
         }
     }
-    zeros == [0.0; WIDTH]
+    // Also false for NaN.
+    squares.iter().all(|square| *square < MODERATE * MODERATE)
 }
 
-/// The first `W` numbers.
+/// Numbers that are smaller have products that do not overflow.
+const MODERATE: f64 = 1e140;
+
+/// The numbers of `W` points.
 #[inline(always)]
 fn lanes<const W: usize>(values: &[f64]) -> [f64; W] {
     core::array::from_fn(|i| values[i])
