@@ -51,10 +51,6 @@ fn damaged_files_are_read_or_refused_within_bounds() {
             b"    -1\n",
         ],
     );
-    // DAMAGED_COPIES is the number of damaged copies of each file.
-    let copies = std::env::var("DAMAGED_COPIES").map_or(400, |count| {
-        count.parse().unwrap_or_else(|_| panic!("DAMAGED_COPIES={count}"))
-    });
     for name in FILES {
         let sound = std::fs::read(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
         let Ok(format) = Format::of(Path::new(name)) else {
@@ -81,7 +77,7 @@ fn damaged_files_are_read_or_refused_within_bounds() {
             name,
             sound: &sound,
             memory: [300, 8 << 20],
-            copies,
+            copies: 400,
         };
         let tally = damage.trial(
             &sample,

@@ -161,34 +161,10 @@ fn windows(force: &[Complex64], response: &[Complex64], rate: f64) -> Vec<Window
     let mut found = Vec::new();
     let mut from = 0;
     while let Some(to) = after(from, PERIODS) {
-        let middle = 0.5 * (to - from) as f64;
-        let weighted: Vec<(f64, f64)> = (0..=to - from)
-            .map(|at| {
-                let along = (at as f64 - middle) / middle;
-                (0.5 + 0.5 * (0.5 * TAU * along).cos(), along * middle / rate)
-            })
-            .collect();
-        let total: f64 = weighted.iter().map(|(weight, _)| weight).sum();
-        let mean = |of: &dyn Fn(usize, f64) -> Complex64| -> Complex64 {
-            let terms = weighted
-                .iter()
-                .enumerate()
-                .map(|(at, (weight, time))| *weight * of(from + at, *time));
-            terms.sum::<Complex64>() / total
-        };
-        let slope =
-            mean(&|at, time| Complex64::from(time * phases[at])).re / mean(&|_, time| Complex64::from(time * time)).re;
-        let turned = |values: &[Complex64]| mean(&|at, time| values[at] * Complex64::cis(-slope * time));
-        let amplitude = turned(response);
-        let left =
-            mean(&|at, time| Complex64::from((response[at] - amplitude * Complex64::cis(slope * time)).norm_sqr()));
-        found.push(Window {
-            time: (from as f64 + middle) / rate,
-            frequency_hz: slope / TAU,
-            force: turned(force),
-            response: amplitude,
-            distortion: left.re.sqrt() / amplitude.norm(),
-        });
+        let part = from..to + 1;
+        let mut window = window(&force[part.clone()], &response[part.clone()], &phases[part], rate);
+        window.time += from as f64 / rate;
+        found.push(window);
         match after(from, 0.5 * PERIODS) {
             Some(next) if next > from => from = next,
             _ => break,
@@ -197,6 +173,37 @@ fn windows(force: &[Complex64], response: &[Complex64], rate: f64) -> Vec<Window
     found.pop();
     found.drain(..1.min(found.len()));
     found
+}
+
+/// What a part of the record holds at its middle, weighted by a cosine that is zero at its ends; `time` is from its begin.
+fn window(force: &[Complex64], response: &[Complex64], phases: &[f64], rate: f64) -> Window {
+    let middle = 0.5 * (phases.len() - 1) as f64;
+    let weighted: Vec<(f64, f64)> = (0..phases.len())
+        .map(|at| {
+            let along = (at as f64 - middle) / middle;
+            (0.5 + 0.5 * (0.5 * TAU * along).cos(), along * middle / rate)
+        })
+        .collect();
+    let total: f64 = weighted.iter().map(|(weight, _)| weight).sum();
+    let mean = |of: &dyn Fn(usize, f64) -> Complex64| -> Complex64 {
+        let terms = weighted.iter().enumerate();
+        terms
+            .map(|(at, (weight, time))| *weight * of(at, *time))
+            .sum::<Complex64>()
+            / total
+    };
+    let phase = mean(&|at, time| Complex64::from(time * phases[at]));
+    let slope = phase.re / mean(&|_, time| Complex64::from(time * time)).re;
+    let turned = |values: &[Complex64]| mean(&|at, time| values[at] * Complex64::cis(-slope * time));
+    let amplitude = turned(response);
+    let left = |at: usize, time: f64| (response[at] - amplitude * Complex64::cis(slope * time)).norm_sqr();
+    Window {
+        time: middle / rate,
+        frequency_hz: slope / TAU,
+        force: turned(force),
+        response: amplitude,
+        distortion: mean(&|at, time| Complex64::from(left(at, time))).re.sqrt() / amplitude.norm(),
+    }
 }
 
 /// The analytic signal, without the mean.

@@ -31,7 +31,7 @@ pub struct Sample<'a> {
     pub sound: &'a [u8],
     /// Bytes of memory that reading may take per byte of the file, and on top.
     pub memory: [usize; 2],
-    /// Number of damaged copies.
+    /// Number of damaged copies, unless the environment variable `DAMAGED_COPIES` has another.
     pub copies: usize,
 }
 
@@ -65,7 +65,7 @@ impl Damage {
     /// Reads damaged copies of a sample, whole files made of them by `packed`, and hands what was read to `accept`.
     ///
     /// # Panics
-    /// If the sound file is refused, a refusal has no message, or reading takes more memory than the sample allows. The test
+    /// If `DAMAGED_COPIES` is no number, the sound file is refused, a refusal has no message, or reading takes more memory than the sample allows. The test
     /// must have installed [`memory::Counting`].
     pub fn trial<T, E: Display>(
         &mut self,
@@ -78,8 +78,10 @@ impl Damage {
         if let Err(error) = read(&packed(sample.sound)) {
             panic!("{name}: the sound file is refused: {error}");
         }
+        let asked = std::env::var("DAMAGED_COPIES");
+        let number = |count: String| count.parse().unwrap_or_else(|_| panic!("DAMAGED_COPIES={count}"));
         let mut tally = Tally::default();
-        for _ in 0..sample.copies {
+        for _ in 0..asked.map_or(sample.copies, number) {
             let bytes = packed(&self.of(sample.sound));
             let (answer, used) = memory::peak(|| read(&bytes));
             let [per_byte, base] = sample.memory;

@@ -1,5 +1,17 @@
 //! Hostile but finite situations, each with what must happen. A case converges to values known
 //! from elsewhere, or is refused with a reason; it never ends in a silent number, a panic, a hang or NaN.
+//!
+//! # Fields of `extremes.json`
+//!
+//! `cargo xtask extremes` writes `extremes.json` into `results/extremes/` (or `--out DIR`), and exits with 1 if a case does not do what it must.
+//!
+//! | field | meaning |
+//! |---|---|
+//! | `schema_version`, `seconds`, `failed` | 1; wall time of all cases (s); cases that did not do what they must |
+//! | `scene`, `full` | the scene that the cases start from (SI); whether on the mesh of the default scene |
+//! | `cases[].{name, change, expected}` | as for `--only`; what is done to the scene, and what must happen |
+//! | `cases[].{outcome, iterations, seconds, passed}` | what happened, of a refusal the message; Newton iterations, `null` for refusals; wall time (s); whether all checks hold |
+//! | `cases[].checks` | by name: `holds`; of numbers `value` and `allowed` (a bound of the magnitude, or both ends), and `known` with the relative `error`; of messages `text` and `wanted` |
 mod asked;
 mod bench;
 mod case;

@@ -1,4 +1,20 @@
 //! The results of the method paper that need no private scan, recomputed and set beside the published figures.
+//!
+//! # Fields of `paper.json`
+//!
+//! `cargo xtask paper` writes an array with one object per entry, in the paper's order:
+//!
+//! | field | meaning |
+//! |---|---|
+//! | `id`, `title` | name for `--only`, and heading |
+//! | `inputs` | what was computed, on what |
+//! | `published`, `computed`, `difference` | figures by name and unit; `published` is `null` where the paper prints none. `difference` is `computed / published - 1`, `computed` where 0 is published, else `null` |
+//! | `comparable` | whether inputs and method are the paper's as far as printed, so that figures should agree |
+//! | `judgement` | what the figures say; empty if the entry failed |
+//! | `seconds` | wall-clock time of its scenes, possibly beside others or in an earlier run, and of what is made of them |
+//! | `status` | `computed`, or `failed: ` and why |
+//!
+//! Numbers that are not finite are `null`.
 
 mod backbones;
 mod claims;

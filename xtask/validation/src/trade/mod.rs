@@ -2,6 +2,25 @@
 //!
 //! Every setting of every parameter is a run in a process of its own, one after another, so that time and memory are
 //! its own. A setting is judged against the last one of its parameter.
+//!
+//! # Fields of `trade.json`
+//!
+//! `cargo xtask trade [SCENE]` writes `trade.json`, `trade.csv`, `trade.md`, `trade.svg` and `front.svg` into `results/trade`, and each run into `runs`.
+//!
+//! | field | meaning |
+//! |---|---|
+//! | `scene` | the scene about which one setting at a time is varied (SI) |
+//! | `amplitudes[3]` | response amplitudes of the comparison (m); between points backbones are linear in ln(amplitude), frequency and ln(damping) |
+//! | `rungs[].{name, dial, setting, status}` | one row per value: name, setting, value; `measured`, or `failed:` and why |
+//! | `rungs[].errors.{linear_frequency, frequency_shift[3], damping_ln[3]}` | against the setting's reference: relative of the linearised frequency; of the frequency less the linearised one, relative to that; of the logarithm of the damping ratio |
+//! | `rungs[].{seconds, structure_seconds, interface_seconds}` | time from nothing, and its parts: up to the reduced model, and after it (s) |
+//! | `rungs[].{peak_memory, not_converged}` | of the run, or of the one that reduced its structure (bytes); amplitudes without a result |
+//! | `pareto.{dial}`, `reference.{dial}` | values than which no other is both faster and nearer to the reference; the reference |
+//! | `limits.{dial}[].{quantity, order, limit, uncertainty}` | Richardson's extrapolation of refined discretisations; `null` where the three finest do not approach a limit |
+//! | `front.settings[].{name, seconds, frequency, damping_ln}` | all settings that model the same, against one run whose settings are all fine; `front` is `null` with `--only` |
+//! | `front.best`, `front.physics` | names of the settings than which none is both faster and nearer; least and largest distance of f1 from the measured beam, over kinds of friction |
+//! | `budget.parts.{dial}.{kind, frequency, damping_ln}` | `error`: of the scene's own setting, with the distance of the reference from its limit (of the mesh: `model.error_bar`); `choice`: largest difference between the models to choose from; `sampling`: 95 % end of the bootstrap of scans |
+//! | `budget.root_sum_of_squares_of_errors` | of the parts of kind `error` |
 
 mod front;
 mod ladder;
