@@ -237,6 +237,21 @@ pub(crate) fn check_points(points: &Range<usize>, law: &impl TractionLaw) {
     assert!(points.end <= count, "points {points:?} exceed the law's {count} points");
 }
 
+/// What [`TractionLaw::follow`] demands of its arguments.
+pub(crate) fn check_path<L: TractionLaw + ?Sized>(
+    points: &Range<usize>,
+    law: &L,
+    path: &[f64],
+    state: &[f64],
+    traction: &[f64],
+) {
+    let n = points.len();
+    assert!(n > 0, "a path of no points");
+    assert_eq!(state.len(), law.info().n_state() * n, "length of the state");
+    assert_eq!(path.len() % (3 * n), 0, "length of the path");
+    assert_eq!(traction.len(), path.len(), "length of the tractions");
+}
+
 /// [`TractionLaw::follow`] by [`TractionLaw::evaluate`].
 pub(crate) fn step_by_step<L: TractionLaw + ?Sized>(
     law: &L,
@@ -247,6 +262,7 @@ pub(crate) fn step_by_step<L: TractionLaw + ?Sized>(
     room: &mut [f64],
     traction: &mut [f64],
 ) {
+    check_path(&points, law, path, state, traction);
     let n = points.len();
     for (jump, traction) in path.chunks_exact(3 * n).zip(traction.chunks_exact_mut(3 * n)) {
         law.evaluate(
@@ -342,7 +358,7 @@ pub trait TractionLaw: Send + Sync {
     /// - `room`: as many numbers as the state has.
     ///
     /// # Panics
-    /// When `points` exceeds the law or a slice has another length.
+    /// When `points` exceeds the law or is empty, or a slice has another length.
     fn follow(
         &self,
         points: Range<usize>,

@@ -12,7 +12,7 @@ use std::ops::Range;
 pub trait PointwiseForce: HystereticForce {
     /// Number of points.
     fn n_points(&self) -> usize;
-    /// The points of each batch; batches follow one another without holes.
+    /// The points of each batch; batches follow one another without holes, and none is empty.
     fn batches(&self) -> &[Range<usize>];
     /// Numbers that the history of one point of a batch has.
     fn n_state(&self, batch: usize) -> usize;

@@ -101,7 +101,7 @@ use crate::curves::ContactCurves;
 use crate::error::{Error, Place, require};
 use crate::law::{
     Along, Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking,
-    TangentMut, TractionLaw, check_points, evaluates_by, step_by_step,
+    TangentMut, TractionLaw, check_path, check_points, evaluates_by, step_by_step,
 };
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
@@ -627,6 +627,7 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
         traction: &mut [f64],
     ) {
         check_points(&points, self);
+        check_path(&points, self, path, state, traction);
         if sticking != Sticking::Coulomb || !are_moderate(path) || !are_moderate(state) {
             return step_by_step(self, points, sticking, path, state, room, traction);
         }
