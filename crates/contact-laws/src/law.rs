@@ -7,7 +7,7 @@ use core::ops::{AddAssign, Range};
 use crate::choice::choices;
 use crate::transposed::{self, Adjoint, Input, N_JUMP, Part, WHOLE, WayBack};
 pub(crate) use crate::views::Along;
-pub use crate::views::{Components, ComponentsMut, StateView, StateViewMut};
+pub use crate::views::{Components, ComponentsMut, StateView, StateViewMut, along_path};
 
 /// The method paper, where eqs. (18)-(20), (28), (29), (45) are from.
 pub(crate) const PAPER_DOI: &str = "10.1016/j.ymssp.2020.106615";
@@ -263,20 +263,16 @@ pub(crate) fn step_by_step<L: TractionLaw + ?Sized>(
     traction: &mut [f64],
 ) {
     check_path(&points, law, path, state, traction);
-    let n = points.len();
-    for (jump, traction) in path.chunks_exact(3 * n).zip(traction.chunks_exact_mut(3 * n)) {
-        law.evaluate(
-            points.clone(),
-            sticking,
-            Components::stacked(jump),
-            StateView::new(state, n, 0),
-            StateViewMut::new(room, n, 0),
-            ComponentsMut::stacked(traction),
-            None,
-            None,
-        );
-        state.copy_from_slice(room);
-    }
+    along_path(
+        points.len(),
+        path,
+        state,
+        room,
+        traction,
+        |jump, begin, end, traction| {
+            law.evaluate(points.clone(), sticking, jump, begin, end, traction, None, None);
+        },
+    );
 }
 
 /// A traction law over a set of points with fixed parameters.

@@ -100,7 +100,7 @@ pub use friction::{
 pub use jet::Jet;
 pub use law::{
     Components, ComponentsMut, LawInfo, Quantity, Regime, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut,
-    TractionLaw,
+    TractionLaw, along_path,
 };
 pub use parameters::{Bounds, Parameter, PointParameters};
 pub use physics::adhesion::Adhesion;

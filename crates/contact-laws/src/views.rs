@@ -53,6 +53,27 @@ impl<'a> ComponentsMut<'a> {
     }
 }
 
+/// Calls `step` with jump, begin state, end state and tractions of `n` points at each step of a path, each from the end state of the one before.
+///
+/// `path` and `traction` are `[step][component][point]`. `state` is that at the begin of the path, and becomes that at its end; `room` is as large.
+///
+/// # Panics
+/// If there are no points, or `room` and `state` differ in length.
+pub fn along_path(
+    n: usize,
+    path: &[f64],
+    state: &mut [f64],
+    room: &mut [f64],
+    traction: &mut [f64],
+    mut step: impl FnMut(Components<'_>, StateView<'_>, StateViewMut<'_>, ComponentsMut<'_>),
+) {
+    for (jump, traction) in path.chunks_exact(3 * n).zip(traction.chunks_exact_mut(3 * n)) {
+        let (begin, end) = (StateView::new(state, n, 0), StateViewMut::new(room, n, 0));
+        step(Components::stacked(jump), begin, end, ComponentsMut::stacked(traction));
+        state.copy_from_slice(room);
+    }
+}
+
 /// State of a batch of points inside a block stored as `[component][point]`.
 ///
 /// Component `c` of the batch's point `i` is `data[c * stride + offset + i]`: `stride` is the number of points of the

@@ -1,6 +1,6 @@
 //! What harmonic balance needs to know of a hysteretic force beyond what equilibria need: its points.
 
-use contact_laws::{Components, ComponentsMut, StateView, StateViewMut, TangentMut};
+use contact_laws::{Components, ComponentsMut, StateView, StateViewMut, TangentMut, along_path};
 use cqsma_solver::{DifferentiableForce, HystereticForce};
 use std::ops::Range;
 
@@ -42,17 +42,9 @@ pub trait PointwiseForce: HystereticForce {
     /// large as it.
     fn follow_batch(&self, batch: usize, path: &[f64], state: &mut [f64], room: &mut [f64], traction: &mut [f64]) {
         let n = self.batches()[batch].len();
-        for (jump, traction) in path.chunks_exact(3 * n).zip(traction.chunks_exact_mut(3 * n)) {
-            self.evaluate_batch(
-                batch,
-                Components::stacked(jump),
-                StateView::new(state, n, 0),
-                StateViewMut::new(room, n, 0),
-                ComponentsMut::stacked(traction),
-                None,
-            );
-            state.copy_from_slice(room);
-        }
+        along_path(n, path, state, room, traction, |jump, begin, end, traction| {
+            self.evaluate_batch(batch, jump, begin, end, traction, None);
+        });
     }
     /// The same with their derivatives along a change of jump and begin state
     /// ([`TractionLaw::derivative`](contact_laws::TractionLaw::derivative)).

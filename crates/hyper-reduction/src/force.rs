@@ -166,10 +166,8 @@ impl<'a> PointForce<'a> {
         scratch: &mut Scratch,
         with_tangent: bool,
     ) -> RegimeCounts {
-        let n = self.areas.len();
-        let [x, y, z] = [0, 1, 2].map(|c| &scratch.jump[c * n..(c + 1) * n]);
-        let (tx, others) = scratch.traction.split_at_mut(n);
-        let (ty, tz) = others.split_at_mut(n);
+        let jump = Components::stacked(&scratch.jump);
+        let traction = ComponentsMut::stacked(&mut scratch.traction);
         let mut counts = RegimeCounts::default();
         let mut first = 0;
         for (batch, points) in self.batches.points().iter().enumerate() {
@@ -182,10 +180,14 @@ impl<'a> PointForce<'a> {
                 &self.batches,
                 batch,
                 sticking,
-                Components::new(&x[own.clone()], &y[own.clone()], &z[own.clone()]),
+                Components::new(&jump.x[own.clone()], &jump.y[own.clone()], &jump.n[own.clone()]),
                 StateView::new(&begin[states.clone()], points.len(), 0),
                 StateViewMut::new(&mut end[states], points.len(), 0),
-                ComponentsMut::new(&mut tx[own.clone()], &mut ty[own.clone()], &mut tz[own]),
+                ComponentsMut::new(
+                    &mut traction.x[own.clone()],
+                    &mut traction.y[own.clone()],
+                    &mut traction.n[own],
+                ),
                 with_tangent.then(|| TangentMut::from_entries(entries)),
             );
         }

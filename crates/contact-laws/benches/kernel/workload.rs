@@ -153,25 +153,17 @@ impl Path {
 
     /// Follows the period by its steps.
     pub(crate) fn step_by_step<L: TractionLaw + ?Sized>(&mut self, law: &L) -> f64 {
-        let n = self.n;
-        for (jump, traction) in self
-            .jumps
-            .chunks_exact(3 * n)
-            .zip(self.traction.chunks_exact_mut(3 * n))
-        {
-            law.evaluate(
-                0..n,
-                Sticking::Coulomb,
-                Components::stacked(jump),
-                StateView::new(&self.state, n, 0),
-                StateViewMut::new(&mut self.room, n, 0),
-                ComponentsMut::stacked(traction),
-                None,
-                None,
-            );
-            std::mem::swap(&mut self.state, &mut self.room);
-        }
-        self.traction[0]
+        let Self {
+            n,
+            jumps,
+            state,
+            room,
+            traction,
+        } = self;
+        along_path(*n, jumps, state, room, traction, |jump, begin, end, traction| {
+            law.evaluate(0..*n, Sticking::Coulomb, jump, begin, end, traction, None, None);
+        });
+        traction[0]
     }
 }
 

@@ -477,11 +477,31 @@ impl<C: ContactCurves> FoundationLaw<C> {
     fn begin_block<const B: usize>(&self, first: usize, sticking: Sticking, m: usize, room: &mut Room<B>) {
         match sticking {
             Sticking::Frictionless => room.reach.0 = [0.0; B],
-            Sticking::Coulomb | Sticking::Full => self.mu.copy_to(first, &mut room.reach.0[..m]),
+            Sticking::Coulomb | Sticking::Full => self.reaches(first, &mut room.reach.0[..m]),
         }
-        for (reach, ratio) in room.reach.0[..m].iter_mut().zip(&self.ratios[first..]) {
-            *reach = bounded(*reach / ratio);
-        }
+    }
+
+    /// [`TractionLaw::follow`] of `W` points, the path's from `from` on and the law's from `first` on.
+    fn follow_some<const W: usize>(
+        &self,
+        [first, from, n]: [usize; 3],
+        path: &[f64],
+        state: &mut [f64],
+        traction: &mut [f64],
+    ) {
+        let mut reach = [0.0; W];
+        self.reaches(first, &mut reach);
+        let law = self;
+        run(FollowedSprings {
+            law,
+            first,
+            from,
+            n,
+            reach,
+            path,
+            state,
+            traction,
+        });
     }
 
     /// [`TractionLaw::evaluate`] or, along a direction, [`TractionLaw::derivative`] in blocks of `B` points.
@@ -633,34 +653,11 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
         }
         let n = points.len();
         let whole = n - n % WIDTH;
-        let mut reach = [0.0; WIDTH];
         for from in (0..whole).step_by(WIDTH) {
-            let first = points.start + from;
-            self.reaches(first, &mut reach);
-            run(FollowedSprings::<_, WIDTH> {
-                law: self,
-                first,
-                n,
-                from,
-                reach,
-                path,
-                state,
-                traction,
-            });
+            self.follow_some::<WIDTH>([points.start + from, from, n], path, state, traction);
         }
         for from in whole..n {
-            let first = points.start + from;
-            self.reaches(first, &mut reach[..1]);
-            run(FollowedSprings::<_, ONE> {
-                law: self,
-                first,
-                n,
-                from,
-                reach: [reach[0]],
-                path,
-                state,
-                traction,
-            });
+            self.follow_some::<ONE>([points.start + from, from, n], path, state, traction);
         }
     }
 
