@@ -9,14 +9,9 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 use crate::text;
-use crate::triplets::{self, Entry};
+use crate::triplets::{self, Entry, Origin};
 use crate::value::{Assembled, Dof, plausible};
 use file_io::{Place, Source, quoted};
-
-/// Name of the stiffness among the matrices.
-pub const STIFFNESS: &str = "STIFFNESS";
-/// Name of the mass among the matrices.
-pub const MASS: &str = "MASS";
 
 /// The three files of a job.
 #[derive(Clone, Copy, Debug)]
@@ -81,7 +76,7 @@ pub fn read(path: &Path) -> Result<Assembled, Error> {
 pub fn parse(files: Files<'_>) -> Result<Assembled, Error> {
     let dofs = dofs(files.dofs)?;
     let mut matrices = BTreeMap::new();
-    for (name, source) in [(STIFFNESS, files.stiffness), (MASS, files.mass)] {
+    for (name, source) in [(Assembled::STIFFNESS, files.stiffness), (Assembled::MASS, files.mass)] {
         matrices.insert(name.to_owned(), matrix(source, dofs.len())?);
     }
     Ok(Assembled { dofs, matrices })
@@ -126,8 +121,8 @@ fn matrix(source: Source<'_>, size: usize) -> Result<sprs::CsMat<f64>, Error> {
             row: line.index(row, "row", size)?,
             column: line.index(column, "column", size)?,
             value: line.real(value)?,
-            line: line.number,
+            at: line.number,
         });
     }
-    triplets::symmetric(source.name, size, entries, true)
+    triplets::symmetric(Origin::lines(source.name), size, entries, true)
 }

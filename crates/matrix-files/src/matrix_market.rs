@@ -10,7 +10,7 @@ use std::path::Path;
 use sprs::CsMat;
 
 use crate::text::{self, Line};
-use crate::triplets::{self, Entry};
+use crate::triplets::{self, Entry, Origin};
 use crate::value::{Array, Dense, plausible};
 use crate::{Error, writing};
 use file_io::{Source, quoted};
@@ -156,7 +156,7 @@ impl<'a, I: Iterator<Item = Line<'a>>> Body<'a, I> {
                 row: line.index(row, "row", rows)?,
                 column: line.index(column, "column", columns)?,
                 value,
-                line: line.number,
+                at: line.number,
             });
         }
         let found = entries.len();
@@ -167,9 +167,9 @@ impl<'a, I: Iterator<Item = Line<'a>>> Body<'a, I> {
         }
         self.finish(count)?;
         let matrix = if banner.symmetric {
-            triplets::symmetric(self.source.name, rows, entries, false)?
+            triplets::symmetric(Origin::lines(self.source.name), rows, entries, false)?
         } else {
-            triplets::general(self.source.name, (rows, columns), entries)?
+            triplets::general(Origin::lines(self.source.name), (rows, columns), entries)?
         };
         Ok(Array::Sparse(matrix))
     }

@@ -4,23 +4,40 @@ use crate::Error;
 use file_io::Place;
 use sprs::CsMat;
 
-/// An entry, counted from zero, and the line or position it stands at.
+/// An entry, counted from zero, and the line or byte it stands at.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     pub(crate) row: usize,
     pub(crate) column: usize,
     pub(crate) value: f64,
-    pub(crate) line: usize,
+    pub(crate) at: usize,
+}
+
+/// A file and what its places are: lines or bytes.
+#[derive(Clone, Copy)]
+pub(crate) struct Origin<'a> {
+    pub(crate) file: &'a str,
+    pub(crate) place: fn(usize) -> Place,
+}
+
+impl<'a> Origin<'a> {
+    /// A file of text.
+    pub(crate) fn lines(file: &'a str) -> Self {
+        Self {
+            file,
+            place: Place::Line,
+        }
+    }
 }
 
 /// Compresses entries that must all stand at different places.
-pub(crate) fn general(file: &str, shape: (usize, usize), mut entries: Vec<Entry>) -> Result<CsMat<f64>, Error> {
-    entries.sort_unstable_by_key(|e| (e.row, e.column, e.line));
+pub(crate) fn general(origin: Origin<'_>, shape: (usize, usize), mut entries: Vec<Entry>) -> Result<CsMat<f64>, Error> {
+    entries.sort_unstable_by_key(|e| (e.row, e.column, e.at));
     if let Some([_, second]) = entries
         .array_windows()
         .find(|[a, b]| (a.row, a.column) == (b.row, b.column))
     {
-        return Err(duplicate(file, second));
+        return Err(duplicate(origin, second));
     }
     Ok(compressed(shape, &entries))
 }
@@ -39,17 +56,22 @@ pub(crate) fn summed(shape: (usize, usize), mut entries: Vec<Entry>) -> CsMat<f6
 }
 
 /// Fills both triangles of a symmetric matrix of which one is given, or both with equal values where `both` allows it.
-pub(crate) fn symmetric(file: &str, size: usize, mut entries: Vec<Entry>, both: bool) -> Result<CsMat<f64>, Error> {
+pub(crate) fn symmetric(
+    origin: Origin<'_>,
+    size: usize,
+    mut entries: Vec<Entry>,
+    both: bool,
+) -> Result<CsMat<f64>, Error> {
     let key = |e: &Entry| (e.row.min(e.column), e.row.max(e.column));
-    entries.sort_unstable_by_key(|e| (key(e), e.row, e.line));
+    entries.sort_unstable_by_key(|e| (key(e), e.row, e.at));
     let mut twins = 0;
     for [a, b] in entries.array_windows() {
         if key(a) == key(b) {
             if a.row == b.row || !both && a.value == b.value {
-                return Err(duplicate(file, if a.line > b.line { a } else { b }));
+                return Err(duplicate(origin, if a.at > b.at { a } else { b }));
             }
             if a.value != b.value {
-                return Err(asymmetric(file, b, a.value));
+                return Err(asymmetric(origin, b, a.value));
             }
             twins += 1;
         }
@@ -68,7 +90,7 @@ pub(crate) fn symmetric(file: &str, size: usize, mut entries: Vec<Entry>, both: 
             pair.len() == 1 && first.row != first.column && first.value != 0.0
         });
         if let Some(pair) = alone {
-            return Err(asymmetric(file, &pair[0], 0.0));
+            return Err(asymmetric(origin, &pair[0], 0.0));
         }
     }
     entries.sort_unstable_by_key(|e| (e.row, e.column));
@@ -88,19 +110,19 @@ fn compressed(shape: (usize, usize), entries: &[Entry]) -> CsMat<f64> {
     CsMat::new(shape, starts, columns, entries.iter().map(|e| e.value).collect())
 }
 
-fn duplicate(file: &str, second: &Entry) -> Error {
+fn duplicate(origin: Origin<'_>, second: &Entry) -> Error {
     Error::Duplicate {
-        file: file.into(),
-        place: Place::Line(second.line),
+        file: origin.file.into(),
+        place: (origin.place)(second.at),
         row: second.row + 1,
         column: second.column + 1,
     }
 }
 
-fn asymmetric(file: &str, entry: &Entry, mirrored: f64) -> Error {
+fn asymmetric(origin: Origin<'_>, entry: &Entry, mirrored: f64) -> Error {
     Error::Asymmetric {
-        file: file.into(),
-        place: Place::Line(entry.line),
+        file: origin.file.into(),
+        place: (origin.place)(entry.at),
         row: entry.row + 1,
         column: entry.column + 1,
         value: entry.value,

@@ -181,6 +181,15 @@ pub struct Assembled {
     pub matrices: BTreeMap<String, CsMat<f64>>,
 }
 
+impl Assembled {
+    /// Name of the stiffness.
+    pub const STIFFNESS: &str = "STIFFNESS";
+    /// Name of the mass.
+    pub const MASS: &str = "MASS";
+    /// Name of viscous damping.
+    pub const DAMPING: &str = "DAMPING";
+}
+
 /// Refuses sizes that would let a few bytes demand memory without bound: at most as many rows or columns as the file
 /// has bytes, or 2^20.
 pub(crate) fn plausible(rows: usize, columns: usize, bytes: usize) -> Result<(), (usize, usize)> {

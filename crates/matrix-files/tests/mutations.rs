@@ -6,7 +6,7 @@ use std::io::{Cursor, Read, Write};
 
 use file_io::Source;
 use matrix_files::abaqus::{self, Substructure};
-use matrix_files::{Error, calculix, dmig, mat, matrix_market, npz, op4};
+use matrix_files::{Error, ansys, calculix, dmig, mat, matrix_market, npz, op2, op4};
 use test_support::memory::Counting;
 use test_support::{Damage, Sample, Tally};
 
@@ -108,6 +108,8 @@ fn damaged_files_are_answered_within_bounds() {
     let numpy: Reader = |s| npz::parse(s).map(drop);
     let market: Reader = |s| matrix_market::parse(s).map(drop);
     let output4: Reader = |s| op4::parse(s).map(drop);
+    let output2: Reader = |s| op2::parse(s).map(drop);
+    let assembled: Reader = |s| ansys::parse(s).map(drop);
     let points: Reader = |s| dmig::parse(s).map(drop);
     let reduced: Reader = |s| abaqus::parse_substructure(s).map(drop);
     // What a byte of the file may become: compressed files hold up to 1032 bytes in one.
@@ -117,7 +119,7 @@ fn damaged_files_are_answered_within_bounds() {
     // have.
     const LITTLE: usize = 1 << 12;
     const SPARSE: usize = (1 << 18) + 2 * 8 * (1 << 20);
-    let files: [(&str, Vec<u8>, usize, usize, Reader); 32] = [
+    let files: [(&str, Vec<u8>, usize, usize, Reader); 38] = [
         ("plain.mat", fixture("plain.mat"), PLAIN, SPARSE, matlab),
         ("compressed.mat", fixture("compressed.mat"), COMPRESSED, SPARSE, matlab),
         ("v73.mat", fixture("v73.mat"), COMPRESSED, SPARSE, matlab),
@@ -184,6 +186,12 @@ fn damaged_files_are_answered_within_bounds() {
         ("bigmat_be.op4", fixture("bigmat_be.op4"), PLAIN, SPARSE, output4),
         ("strings_le.op4", fixture("strings_le.op4"), PLAIN, SPARSE, output4),
         ("wide_le.op4", fixture("wide_le.op4"), PLAIN, SPARSE, output4),
+        ("blocks_le.op2", fixture("blocks_le.op2"), PLAIN, SPARSE, output2),
+        ("blocks_be.op2", fixture("blocks_be.op2"), PLAIN, SPARSE, output2),
+        ("blocks_wide.op2", fixture("blocks_wide.op2"), PLAIN, SPARSE, output2),
+        ("tables.op2", fixture("tables.op2"), PLAIN, SPARSE, output2),
+        ("external.op2", fixture("external.op2"), PLAIN, SPARSE, output2),
+        ("small.full", fixture("small.full"), PLAIN, SPARSE, assembled),
         ("pyyeti.pch", fixture("pyyeti.pch"), PLAIN, SPARSE, points),
         ("pynastran.bdf", fixture("pynastran.bdf"), PLAIN, SPARSE, points),
     ];

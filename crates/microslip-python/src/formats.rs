@@ -14,12 +14,14 @@ use finite_elements::mesh::{Element as Solid, Face, Group, Material, Mesh};
 use joint_model::benchmark::Symmetry;
 use joints::structure::Structure;
 use joints::structure::export::arrays;
+use matrix_files::dmig::PointMatrices;
 use matrix_files::value::{Array, Assembled, Collection, Dense, Dof};
-use matrix_files::{abaqus, calculix, dmig, mat, matrix_market, npz, op4};
+use matrix_files::{abaqus, ansys, calculix, dmig, mat, matrix_market, npz, op2, op4};
 use numpy::npyffi::NPY_ORDER;
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
+use sprs::CsMat;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -43,31 +45,36 @@ pub(crate) fn read_matrices(py: Python<'_>, path: PathBuf) -> PyResult<(Arrays, 
 }
 
 fn collection(path: &Path) -> Result<Collection, Exception> {
-    let of_dofs = |dofs: &[Dof]| ("dofs".to_owned(), Dof::table(dofs));
-    let assembled = |found: Assembled| {
-        let matrices = found.matrices.into_iter();
+    let with_dofs = |matrices: &mut dyn Iterator<Item = (String, CsMat<f64>)>, dofs: &[Dof], skipped| {
         let mut arrays: BTreeMap<String, Array> = matrices.map(|(name, m)| (name, Array::Sparse(m))).collect();
-        arrays.extend([of_dofs(&found.dofs)]);
-        Collection {
-            arrays,
-            ..Collection::default()
-        }
+        arrays.insert("dofs".to_owned(), Dof::table(dofs));
+        Collection { arrays, skipped }
+    };
+    let assembled = |found: Assembled| with_dofs(&mut found.matrices.into_iter(), &found.dofs, Vec::new());
+    let between_points = |found: PointMatrices| {
+        let matrices = &mut found.matrices.into_iter().chain(found.numbered);
+        with_dofs(matrices, &found.dofs, found.skipped)
     };
     Ok(match extension(path).as_str() {
         "npz" => npz::read(path)?,
         "mat" => mat::read(path)?,
         "op4" => op4::read(path)?,
-        "pch" | "bdf" | "dat" => {
-            let found = dmig::read(path)?;
-            let matrices = found.matrices.into_iter().chain(found.numbered);
-            let mut arrays: BTreeMap<String, Array> = matrices.map(|(name, m)| (name, Array::Sparse(m))).collect();
-            arrays.extend([of_dofs(&found.dofs)]);
-            Collection {
-                arrays,
-                skipped: found.skipped,
+        "op2" => {
+            let mut found = op2::read(path)?;
+            if !found.points.dofs.is_empty() {
+                for (name, array) in between_points(found.points).arrays {
+                    let name = match found.arrays.arrays.contains_key(&name) {
+                        true => format!("DMIG {name}"),
+                        false => name,
+                    };
+                    found.arrays.arrays.insert(name, array);
+                }
             }
+            found.arrays
         }
+        "pch" | "bdf" | "dat" => between_points(dmig::read(path)?),
         "sti" | "mas" | "dof" => assembled(calculix::read(path)?),
+        "full" | "sub" => assembled(ansys::read(path)?),
         "mtx" | "mm" => {
             let bytes =
                 file_io::input::read(path, file_io::input::Kind::Matrices).map_err(|error| Exception::from(&error))?;
@@ -90,7 +97,7 @@ fn collection(path: &Path) -> Result<Collection, Exception> {
             }
         }
         other => {
-            let remedy = "give a file that ends with .npz, .mat, .mtx, .sti, .op4, .pch, .bdf or .dat";
+            let remedy = "give a file that ends with .npz, .mat, .mtx, .sti, .full, .op2, .op4, .pch, .bdf or .dat";
             return Err(input(format!("matrices are not read from `.{other}`; {remedy}")).of("path", remedy));
         }
     })
@@ -179,7 +186,7 @@ impl GivenArray<'_> {
                     all.iter().map(|v| usize::try_from(*v).unwrap_or(usize::MAX)).collect()
                 };
                 let values = values.as_array().to_vec();
-                let made = sprs::CsMat::try_new(*shape, whole(starts), whole(columns), values);
+                let made = CsMat::try_new(*shape, whole(starts), whole(columns), values);
                 Array::Sparse(made.map_err(|(.., error)| {
                     input(format!("{name}: the sparse matrix is broken: {error}"))
                         .of("arrays", "give a matrix of SciPy")

@@ -67,6 +67,12 @@ def test_what_other_programs_write_is_read(tmp_path: Path) -> None:
     found = microslip.read_matrices(tmp_path / "job.sti")
     np.testing.assert_array_equal(found["STIFFNESS"].toarray(), [[2.0, -1.0], [-1.0, 3.0]])
     np.testing.assert_array_equal(found["dofs"], [[7, 1], [7, 2]])
+    fixtures = Path(__file__).parents[2] / "matrix-files" / "tests" / "fixtures"
+    found = microslip.read_matrices(fixtures / "small.full")
+    assert found["STIFFNESS"].diagonal().tolist() == [4.0, 3.0, 2.5e9, 9.0, 5.0] and found["dofs"].tolist()[3] == [3, 1]
+    found = microslip.read_matrices(fixtures / "tables.op2")
+    assert found["KAAX"].diagonal().tolist() == [4.0, 3.0, 2.5e9] and found["dofs"].tolist() == [[11, 1], [12, 3], [101, 0]]
+    assert set(microslip.read_matrices(fixtures / "blocks_le.op2")) == {"K", "M", "S"}
 
 
 def test_wrong_matrices_are_named(tmp_path: Path) -> None:

@@ -349,7 +349,9 @@ pub struct DeckResponse {
 /// | a folder | the same, each from a Matrix Market file such as `M.mtx` |
 /// | `.mtx` | a substructure of Abaqus: mass, stiffness, load cases, recovery |
 /// | `.sti` | stiffness and mass of CalculiX, with `.mas` and `.dof` beside it |
+/// | `.full` | assembled stiffness, mass and damping of Ansys, without the degrees of freedom that are held |
 /// | `.op4` | matrices of Nastran's `OUTPUT4` with the names of the arrays; `INTNODES` and `INTELEMS` are `interface_nodes` and `interface_elements` |
+/// | `.op2` | tables `DMIG` of Nastran's `OUTPUT2` as for `.pch`, stiffness, mass and damping also as `MATK`, `MATM`, `MATB`; else its matrices as for `.op4` |
 /// | `.pch`, `.bdf`, `.dat` | entries `DMIG` of Nastran: `K` or `KAAX`, `M` or `MAAX`, `B` or `BAAX`, and as numbered columns `FV` and the transpose of `R`; the grid points and scalar points (component 0) are the map |
 ///
 /// `dofs` has a row `label, component` for each coordinate, or for each row of `L` if there is one, which maps the

@@ -7,7 +7,7 @@ use crate::excitations::{oscillator, summary};
 use crate::matrices::{dense, export, go, on_jump, read, refused};
 use analyses::Run;
 use analyses::forced::ForcedSummary;
-use matrix_files::value::{Array, Dense};
+use matrix_files::value::{Array, Assembled, Dense};
 use matrix_files::{calculix, npz};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
@@ -127,8 +127,8 @@ fn a_damping_matrix_over_both_sides_is_reduced_and_exported_with_them() {
     let path = folder.join("lap.npz");
     let found = calculix::read(&fixture("lap.sti")).unwrap();
     let arrays = [
-        ("K", Array::Dense(dense(&found.matrices[calculix::STIFFNESS]))),
-        ("M", Array::Dense(dense(&found.matrices[calculix::MASS]))),
+        ("K", Array::Dense(dense(&found.matrices[Assembled::STIFFNESS]))),
+        ("M", Array::Dense(dense(&found.matrices[Assembled::MASS]))),
         ("dofs", matrix_files::value::Dof::table(&found.dofs)),
     ];
     let write = || {

@@ -70,7 +70,7 @@ fn the_stiffness_of_calculix_is_that_of_the_same_deck_here() {
         .assembly(&Choices::default())
         .unwrap();
     let own = System::try_new(&deck.assembly).unwrap();
-    let other = &theirs.matrices[calculix::STIFFNESS];
+    let other = &theirs.matrices[Assembled::STIFFNESS];
     let largest = own.stiffness.data().iter().fold(0.0_f64, |a, v| a.max(v.abs()));
     let rows: Vec<usize> = theirs
         .dofs
@@ -88,7 +88,7 @@ fn the_stiffness_of_calculix_is_that_of_the_same_deck_here() {
         }
     }
     // It integrates the mass of these elements at one point, which leaves motions without mass.
-    let total = theirs.matrices[calculix::MASS].data().iter().sum::<f64>();
+    let total = theirs.matrices[Assembled::MASS].data().iter().sum::<f64>();
     assert!((total / (3.0 * own.total_mass) - 1.0).abs() < 1e-12);
 }
 
@@ -133,7 +133,7 @@ fn matrices_run_from_every_format_and_in_every_order_and_unit() {
     assert!(zeta(4) > 1e-3 && zeta(0) < 1e-6, "{} {}", zeta(4), zeta(0));
 
     let Assembled { dofs, matrices } = calculix::read(&fixture("lap.sti")).unwrap();
-    let [stiffness, mass] = [calculix::STIFFNESS, calculix::MASS].map(|name| &matrices[name]);
+    let [stiffness, mass] = [Assembled::STIFFNESS, Assembled::MASS].map(|name| &matrices[name]);
     let n = dofs.len();
     // Rows in another order.
     let order: Vec<usize> = (0..n).map(|i| (i * 35 + 11) % n).collect();
@@ -188,7 +188,12 @@ fn matrices_run_from_every_format_and_in_every_order_and_unit() {
     };
     std::fs::write(folder.join("si.pch"), dmig::to_bytes(&points, "").unwrap()).unwrap();
 
+    std::fs::write(folder.join("si.op2"), tables(&points)).unwrap();
+    std::fs::write(folder.join("si.full"), assembled(&dofs, [stiffness, mass])).unwrap();
+
     let runs = [
+        ("op2", go(&lap(&folder.join("si.op2"), 1.0, &json!({})))),
+        ("full", go(&lap(&folder.join("si.full"), 1.0, &json!({})))),
         ("op4", go(&lap(&folder.join("si.op4"), 1.0, &json!({})))),
         ("pch", go(&lap(&folder.join("si.pch"), 1.0, &json!({})))),
         ("npz", go(&lap(&folder.join("si.npz"), 1.0, &json!({})))),
@@ -200,6 +205,89 @@ fn matrices_run_from_every_format_and_in_every_order_and_unit() {
         assert!(omega < 1e-9 && zeta < 1e-6, "{name}: {omega:e} {zeta:e}");
     }
     std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// `OUTPUT2` with a table of entries `DMIG` for each matrix.
+fn tables(points: &PointMatrices) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut record = |words: &[i32]| {
+        let length = (4 * words.len() as i32).to_le_bytes();
+        let words = words.iter().flat_map(|word| word.to_le_bytes());
+        bytes.extend(length.into_iter().chain(words).chain(length));
+    };
+    let point = |dof: &Dof| [dof.label() as i32, dof.component() as i32];
+    for (name, matrix) in &points.matrices {
+        let name: Vec<i32> = format!("{name:<8}")
+            .as_bytes()
+            .chunks(4)
+            .map(|word| i32::from_le_bytes(word.try_into().unwrap()))
+            .collect();
+        let mut words = vec![114, 1, 120, name[0], name[1], 0, 1, 2, 2, 0, 0, 0];
+        // By rows, as the matrix is symmetric.
+        for (row, dof) in matrix.outer_iterator().zip(&points.dofs) {
+            words.extend(point(dof));
+            for (column, value) in row.iter() {
+                words.extend(point(&points.dofs[column]));
+                let bits = value.to_bits();
+                words.extend([bits as u32, (bits >> 32) as u32].map(u32::cast_signed));
+            }
+            words.extend([-1, -1]);
+        }
+        words.extend([-1, -1]);
+        record(&[2]);
+        record(&name);
+        record(&[-1]);
+        record(&[7]);
+        record(&[101, 0, 0, 0, 0, 0, 0]);
+        [-2, 1, 0, 2].iter().for_each(|key| record(&[*key]));
+        record(&name);
+        [-3, 1, 0, words.len() as i32].iter().for_each(|key| record(&[*key]));
+        record(&words);
+        [-4, 1, 0, 0].iter().for_each(|key| record(&[*key]));
+    }
+    bytes
+}
+
+/// A file FULL of Ansys with stiffness and mass.
+fn assembled(dofs: &[Dof], matrices: [&CsMat<f64>; 2]) -> Vec<u8> {
+    fn record(words: &[u8], flags: u32) -> Vec<u8> {
+        let length = (words.len() as u32 / 4).to_le_bytes();
+        [&length, &flags.to_le_bytes(), words, &length].concat()
+    }
+    let integers = |list: &[i32]| {
+        let bytes: Vec<u8> = list.iter().flat_map(|v| v.to_le_bytes()).collect();
+        record(&bytes, 1 << 31)
+    };
+    // A node for each row.
+    let n = dofs.len();
+    let nodes: Vec<i32> = dofs.iter().map(|dof| dof.label() as i32).collect();
+    let components: Vec<i32> = dofs.iter().map(|dof| dof.component() as i32).collect();
+    let mut head = vec![0; 100];
+    (head[0], head[1], head[32], head[8], head[33]) = (-4, n as i32, n as i32, 1, 1);
+    let mut standard = vec![0; 100];
+    standard[0] = 4;
+    let ahead = |head: &[i32]| {
+        [
+            integers(&standard),
+            integers(head),
+            integers(&[1, 2, 3]),
+            integers(&nodes),
+        ]
+        .concat()
+    };
+    let start = ahead(&head).len();
+    let mut rest = [integers(&vec![1; n]), integers(&components)].concat();
+    head[35] = start as i32 / 4;
+    for (matrix, pointer) in matrices.into_iter().zip([18, 26]) {
+        head[pointer] = (start + rest.len()) as i32 / 4;
+        for (i, row) in matrix.outer_iterator().enumerate() {
+            let upper: Vec<(usize, f64)> = row.iter().map(|(j, v)| (j, *v)).filter(|(j, _)| *j >= i).collect();
+            let columns: Vec<i32> = upper.iter().map(|(j, _)| *j as i32 + 1).collect();
+            let values: Vec<u8> = upper.iter().flat_map(|(_, v)| v.to_le_bytes()).collect();
+            rest.extend([integers(&columns), record(&values, 0)].concat());
+        }
+    }
+    [ahead(&head), rest].concat()
 }
 
 /// Writes a reduced model in all formats; returns the paths.

@@ -2,8 +2,9 @@
 
 use crate::Error;
 use finite_elements::sparse::symmetric_part;
-use matrix_files::value::{Array, Collection, Dense, Dof, Skipped};
-use matrix_files::{abaqus, calculix, dmig, mat, matrix_market, npz, op4};
+use matrix_files::dmig::PointMatrices;
+use matrix_files::value::{Array, Assembled, Collection, Dense, Dof, Skipped};
+use matrix_files::{abaqus, ansys, calculix, dmig, mat, matrix_market, npz, op2, op4};
 use scenes::PlaneMesh;
 use sprs::{CsMat, TriMat};
 use std::collections::BTreeMap;
@@ -26,10 +27,11 @@ const ARRAYS: [&str; 10] = [
 /// Names of arrays in files of Nastran, which allow eight characters and tell no capitals apart.
 const SHORT_NAMES: [(&str, &str); 2] = [("interface_nodes", "INTNODES"), ("interface_elements", "INTELEMS")];
 
-/// Names of stiffness, mass and damping among entries `DMIG`; the later ones are those that Nastran gives external superelements.
-const POINT_STIFFNESS: [&str; 2] = ["K", "KAAX"];
-const POINT_MASS: [&str; 2] = ["M", "MAAX"];
-const POINT_DAMPING: [&str; 2] = ["B", "BAAX"];
+/// Names of stiffness, mass and damping among entries `DMIG`; the later ones are those that Nastran gives external superelements,
+/// in text and in `OUTPUT2`.
+const POINT_STIFFNESS: [&str; 3] = ["K", "KAAX", "MATK"];
+const POINT_MASS: [&str; 3] = ["M", "MAAX", "MATM"];
+const POINT_DAMPING: [&str; 3] = ["B", "BAAX", "MATB"];
 
 /// Asymmetry relative to the diagonal that is taken for round-off.
 pub(super) const ROUND_OFF: f64 = 1e-6;
@@ -54,6 +56,20 @@ pub(super) struct Contents {
     pub(super) mesh: Option<PlaneMesh>,
 }
 
+impl Contents {
+    fn assembled(mut found: Assembled) -> Self {
+        let [stiffness, mass, damping] =
+            [Assembled::STIFFNESS, Assembled::MASS, Assembled::DAMPING].map(|name| found.matrices.remove(name));
+        Self {
+            dofs: found.dofs,
+            stiffness,
+            mass,
+            damping,
+            ..Self::default()
+        }
+    }
+}
+
 /// The files that make up the matrices at a path: itself, or those of a folder or a job of CalculiX.
 pub fn matrix_files_of(path: &Path) -> Vec<PathBuf> {
     if path.is_dir() {
@@ -76,6 +92,18 @@ fn array_file(folder: &Path, name: &str) -> PathBuf {
 pub(super) fn short_name(name: &str) -> String {
     let short = SHORT_NAMES.iter().find(|(long, _)| *long == name);
     short.map_or_else(|| name.to_ascii_uppercase(), |(_, short)| (*short).to_owned())
+}
+
+/// Arrays of a file of Nastran by the names that they have elsewhere.
+fn with_long_names(mut found: Collection) -> Collection {
+    for name in ARRAYS {
+        let short = short_name(name);
+        let stored = found.arrays.keys().find(|stored| stored.eq_ignore_ascii_case(&short));
+        if let Some(array) = stored.cloned().and_then(|stored| found.arrays.remove(&stored)) {
+            found.arrays.insert(name.into(), array);
+        }
+    }
+    found
 }
 
 /// The file or folder of a scene.
@@ -107,36 +135,18 @@ impl File<'_> {
         match extension.as_deref() {
             Some("npz") => self.named(npz::read(path)?, notes),
             Some("mat") => self.named(mat::read(path)?, notes),
-            Some("op4") => {
-                let mut found = op4::read(path)?;
-                for name in ARRAYS {
-                    let short = short_name(name);
-                    let stored = found.arrays.keys().find(|stored| stored.eq_ignore_ascii_case(&short));
-                    if let Some(array) = stored.cloned().and_then(|stored| found.arrays.remove(&stored)) {
-                        found.arrays.insert(name.into(), array);
-                    }
+            Some("op4") => self.named(with_long_names(op4::read(path)?), notes),
+            Some("op2") => {
+                let op2::Contents { arrays, points } = op2::read(path)?;
+                if !POINT_STIFFNESS.iter().any(|name| points.matrices.contains_key(*name)) {
+                    self.not_needed(points.matrices.keys().chain(points.numbered.keys()), notes);
+                    return self.named(with_long_names(arrays), notes);
                 }
-                self.named(found, notes)
+                self.skipped(&arrays.skipped, notes);
+                self.not_needed(arrays.arrays.keys(), notes);
+                Ok(self.between_points(points, notes))
             }
-            Some("pch" | "bdf" | "dat") => {
-                let found = dmig::read(path)?;
-                self.skipped(&found.skipped, notes);
-                let [mut square, mut numbered] = [found.matrices, found.numbered];
-                let mut first = |names: [&str; 2]| names.iter().find_map(|name| square.remove(*name));
-                let [stiffness, mass, damping] = [POINT_STIFFNESS, POINT_MASS, POINT_DAMPING].map(&mut first);
-                let mut by_rows = |name| numbered.remove(name).map(|m| m.transpose_view().to_csr());
-                let (loads, recovery) = (by_rows("FV"), by_rows("R"));
-                self.not_needed(square.keys().chain(numbered.keys()), notes);
-                Ok(Contents {
-                    dofs: found.dofs,
-                    stiffness,
-                    mass,
-                    damping,
-                    loads,
-                    recovery,
-                    ..Contents::default()
-                })
-            }
+            Some("pch" | "bdf" | "dat") => Ok(self.between_points(dmig::read(path)?, notes)),
             Some("mtx") => {
                 let mut found = abaqus::read_substructure(path)?;
                 self.skipped(&found.skipped, notes);
@@ -152,17 +162,30 @@ impl File<'_> {
                     ..Contents::default()
                 })
             }
-            Some("sti" | "mas" | "dof") => {
-                let mut found = calculix::read(path)?;
-                Ok(Contents {
-                    stiffness: found.matrices.remove(calculix::STIFFNESS),
-                    mass: found.matrices.remove(calculix::MASS),
-                    dofs: found.dofs,
-                    ..Contents::default()
-                })
-            }
-            _ => Err(self
-                .fail("it is neither a folder nor a file with the extension npz, mat, mtx, sti, op4, pch, bdf or dat")),
+            Some("sti" | "mas" | "dof") => Ok(Contents::assembled(calculix::read(path)?)),
+            Some("full" | "sub") => Ok(Contents::assembled(ansys::read(path)?)),
+            _ => Err(self.fail(
+                "it is neither a folder nor a file with the extension npz, mat, mtx, sti, full, op2, op4, pch, bdf or dat",
+            )),
+        }
+    }
+
+    fn between_points(&self, found: PointMatrices, notes: &mut dyn FnMut(&str)) -> Contents {
+        self.skipped(&found.skipped, notes);
+        let [mut square, mut numbered] = [found.matrices, found.numbered];
+        let mut first = |names: [&str; 3]| names.iter().find_map(|name| square.remove(*name));
+        let [stiffness, mass, damping] = [POINT_STIFFNESS, POINT_MASS, POINT_DAMPING].map(&mut first);
+        let mut by_rows = |name| numbered.remove(name).map(|m| m.transpose_view().to_csr());
+        let (loads, recovery) = (by_rows("FV"), by_rows("R"));
+        self.not_needed(square.keys().chain(numbered.keys()), notes);
+        Contents {
+            dofs: found.dofs,
+            stiffness,
+            mass,
+            damping,
+            loads,
+            recovery,
+            ..Contents::default()
         }
     }
 

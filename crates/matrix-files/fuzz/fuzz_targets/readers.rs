@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use file_io::Source;
-use matrix_files::{abaqus, calculix, dmig, mat, matrix_market, npz, op4};
+use matrix_files::{abaqus, ansys, calculix, dmig, mat, matrix_market, npz, op2, op4};
 
 fuzz_target!(|bytes: &[u8]| {
     let source = Source { name: "fuzzed", bytes };
@@ -11,6 +11,8 @@ fuzz_target!(|bytes: &[u8]| {
     let _ = npz::parse(source);
     let _ = matrix_market::parse(source);
     let _ = op4::parse(source);
+    let _ = op2::parse(source);
+    let _ = ansys::parse(source);
     let _ = dmig::parse(source);
     let _ = abaqus::parse_substructure(source);
     let _ = abaqus::parse_assembled(&[("STIFFNESS", source)]);

@@ -6,7 +6,7 @@ use sprs::CsMat;
 
 use crate::Error;
 use crate::text;
-use crate::triplets::{self, Entry};
+use crate::triplets::{self, Entry, Origin};
 use crate::value::{Assembled, Dof};
 use file_io::{Place, Source, quoted};
 
@@ -37,9 +37,9 @@ pub fn parse_assembled(sources: &[(&str, Source<'_>)]) -> Result<Assembled, Erro
             row: place(term.row),
             column: place(term.column),
             value: term.value,
-            line: term.line,
+            at: term.line,
         });
-        let matrix: CsMat<f64> = triplets::symmetric(file, dofs.len(), entries.collect(), true)?;
+        let matrix: CsMat<f64> = triplets::symmetric(Origin::lines(file), dofs.len(), entries.collect(), true)?;
         if matrices.insert(name.to_owned(), matrix).is_some() {
             return Err(Error::Malformed {
                 file: file.into(),

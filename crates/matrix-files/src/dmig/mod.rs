@@ -23,13 +23,17 @@ use sprs::CsMat;
 
 pub use self::writer::to_bytes;
 use crate::text::{self, Line};
-use crate::triplets::{self, Entry};
+use crate::triplets::{self, Entry, Origin};
 use crate::value::{Dof, Skipped, plausible};
 use crate::{Error, writing};
-use file_io::{Place, Source, quoted};
+use file_io::{Source, quoted};
 
 /// Highest component of a point.
 const COMPONENTS: usize = 6;
+
+/// Forms that are read: square, rectangular, symmetric, with numbered columns.
+pub(crate) const FORMS: [u32; 4] = [1, 2, 6, 9];
+pub(crate) const FORMS_TO_WRITE: &str = "write it as a square, symmetric or rectangular one (IFO 1, 6 or 9)";
 
 /// Matrices over the points of a model.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -112,7 +116,7 @@ pub fn parse(source: Source<'_>) -> Result<PointMatrices, Error> {
     skipped.extend(others);
     match last {
         Some(line) if reader.matrices.is_empty() => Err(line.malformed("the end of the bulk data", "entries DMIG")),
-        _ => reader.finish(source, skipped),
+        _ => assemble(Origin::lines(source.name), source.bytes.len(), reader.matrices, skipped),
     }
 }
 
@@ -138,15 +142,15 @@ struct Reader {
 
 /// A matrix as it stands; a point and its component are one number.
 #[derive(Default)]
-struct Matrix {
-    /// First line.
-    line: usize,
-    form: Option<u32>,
-    n_columns: Option<usize>,
+pub(crate) struct Matrix {
+    /// Where it begins.
+    pub(crate) at: usize,
+    pub(crate) form: Option<u32>,
+    pub(crate) n_columns: Option<usize>,
     /// Columns that have entries `DMIG`, and the number of these.
-    columns: BTreeSet<usize>,
-    n_entries: usize,
-    terms: Vec<Entry>,
+    pub(crate) columns: BTreeSet<usize>,
+    pub(crate) n_entries: usize,
+    pub(crate) terms: Vec<Entry>,
 }
 
 impl Reader {
@@ -184,11 +188,11 @@ impl Reader {
         let found = self.names.get(&text).copied().unwrap_or(self.matrices.len());
         if found == self.matrices.len() {
             self.names.insert(text.clone(), found);
-            let line = line.number;
+            let at = line.number;
             self.matrices.push((
                 text,
                 Matrix {
-                    line,
+                    at,
                     ..Matrix::default()
                 },
             ));
@@ -207,15 +211,12 @@ impl Reader {
             return Err(line.malformed(format!("a second header of {}", quoted(name)), "each name once"));
         }
         let form = line.integer(third, "the form IFO")?;
-        if !matches!(form, 1 | 2 | 6 | 9) {
+        if !FORMS.contains(&form) {
             let found = format!("the form {form} of the matrix {}", quoted(name));
-            return Err(line.unsupported(
-                found,
-                "write it as a square, symmetric or rectangular one (IFO 1, 6 or 9)",
-            ));
+            return Err(line.unsupported(found, FORMS_TO_WRITE));
         }
         precision(line, fourth)?;
-        (matrix.form, matrix.line) = (Some(form), line.number);
+        (matrix.form, matrix.at) = (Some(form), line.number);
         Ok(Current::Header(found))
     }
 
@@ -250,85 +251,101 @@ impl Reader {
                     row: key(line, first, second)?,
                     column,
                     value: line.real(third)?,
-                    line: line.number,
+                    at: line.number,
                 });
             }
             Current::Other | Current::Complete | Current::Column(..) => {}
         }
         Ok(())
     }
+}
 
-    fn finish(self, source: Source<'_>, skipped: Vec<Skipped>) -> Result<PointMatrices, Error> {
-        let mut keys: Vec<usize> = Vec::new();
-        for (_, matrix) in &self.matrices {
-            keys.extend(matrix.terms.iter().map(|term| term.row));
-            if matrix.form != Some(9) {
-                keys.extend(&matrix.columns);
-            }
+/// Matrices of a file of so many bytes over all points that any of them names.
+pub(crate) fn assemble(
+    origin: Origin<'_>,
+    bytes: usize,
+    matrices: Vec<(String, Matrix)>,
+    skipped: Vec<Skipped>,
+) -> Result<PointMatrices, Error> {
+    let mut keys: Vec<usize> = Vec::new();
+    for (_, matrix) in &matrices {
+        keys.extend(matrix.terms.iter().map(|term| term.row));
+        if matrix.form != Some(9) {
+            keys.extend(&matrix.columns);
         }
-        keys.sort_unstable();
-        keys.dedup();
-        // A matrix takes room for its rows even if it has no entries.
-        let rows = keys.len().saturating_mul(self.matrices.len());
-        let oversized = |line, what, (stated, possible): (usize, usize)| Error::Oversized {
-            file: source.name.into(),
-            place: Place::Line(line),
-            what,
-            stated: stated as u128,
-            possible,
-        };
-        plausible(rows, 0, source.bytes.len()).map_err(|found| oversized(1, "the number of rows of all", found))?;
-        let mut found = PointMatrices {
-            dofs: keys
-                .iter()
-                .map(|key| Dof::Nodal {
-                    node: (key / (COMPONENTS + 1)) as u64,
-                    component: (key % (COMPONENTS + 1)) as u32,
-                })
-                .collect(),
-            skipped,
-            ..PointMatrices::default()
-        };
-        let n = keys.len();
-        // Every row is in the list.
-        let place = |key: usize| keys.partition_point(|k| *k < key);
-        for (name, mut matrix) in self.matrices {
-            let first = Line {
-                file: source.name,
-                number: matrix.line,
-                text: b"",
-            };
-            let no_header = || first.malformed(format!("columns of `{name}`"), "a header of it in the same file");
-            let form = matrix.form.ok_or_else(no_header)?;
-            if form == 9 {
-                let n_columns = matrix.number_columns(first)?;
-                plausible(0, n_columns, source.bytes.len()).map_err(|found| oversized(first.number, "NCOL", found))?;
-                matrix.terms.iter_mut().for_each(|term| term.row = place(term.row));
-                let numbered = triplets::general(source.name, (n, n_columns), matrix.terms)?;
-                found.numbered.insert(name, numbered);
-                continue;
-            }
-            for term in &mut matrix.terms {
-                (term.row, term.column) = (place(term.row), place(term.column));
-            }
-            let square = match form {
-                6 => triplets::symmetric(source.name, n, matrix.terms, false)?,
-                _ => triplets::general(source.name, (n, n), matrix.terms)?,
-            };
-            found.matrices.insert(name, square);
-        }
-        Ok(found)
     }
+    keys.sort_unstable();
+    keys.dedup();
+    // A matrix takes room for its rows even if it has no entries.
+    let rows = keys.len().saturating_mul(matrices.len());
+    let oversized = |at, what, (stated, possible): (usize, usize)| Error::Oversized {
+        file: origin.file.into(),
+        place: (origin.place)(at),
+        what,
+        stated: stated as u128,
+        possible,
+    };
+    plausible(rows, 0, bytes).map_err(|found| {
+        oversized(
+            matrices.first().map_or(1, |(_, first)| first.at),
+            "the number of rows of all",
+            found,
+        )
+    })?;
+    let mut found = PointMatrices {
+        dofs: keys
+            .iter()
+            .map(|key| Dof::Nodal {
+                node: (key / (COMPONENTS + 1)) as u64,
+                component: (key % (COMPONENTS + 1)) as u32,
+            })
+            .collect(),
+        skipped,
+        ..PointMatrices::default()
+    };
+    let n = keys.len();
+    // Every row is in the list.
+    let place = |key: usize| keys.partition_point(|k| *k < key);
+    for (name, mut matrix) in matrices {
+        let form = matrix.form.ok_or_else(|| Error::Malformed {
+            file: origin.file.into(),
+            place: (origin.place)(matrix.at),
+            found: format!("columns of `{name}`"),
+            expected: "a header of it in the same file".into(),
+        })?;
+        if form == 9 {
+            let n_columns = matrix.number_columns(origin)?;
+            plausible(0, n_columns, bytes).map_err(|found| oversized(matrix.at, "NCOL", found))?;
+            matrix.terms.iter_mut().for_each(|term| term.row = place(term.row));
+            let numbered = triplets::general(origin, (n, n_columns), matrix.terms)?;
+            found.numbered.insert(name, numbered);
+            continue;
+        }
+        for term in &mut matrix.terms {
+            (term.row, term.column) = (place(term.row), place(term.column));
+        }
+        let square = match form {
+            6 => triplets::symmetric(origin, n, matrix.terms, false)?,
+            _ => triplets::general(origin, (n, n), matrix.terms)?,
+        };
+        found.matrices.insert(name, square);
+    }
+    Ok(found)
 }
 
 impl Matrix {
     /// Columns become numbers: the points themselves if their number is stated, else positions in ascending order.
-    fn number_columns(&mut self, first: Line<'_>) -> Result<usize, Error> {
+    fn number_columns(&mut self, origin: Origin<'_>) -> Result<usize, Error> {
         let Some(stated) = self.n_columns else {
             let columns: Vec<usize> = self.columns.iter().copied().collect();
             if self.n_entries > columns.len() {
                 let found = format!("{} entries of {} columns without NCOL", self.n_entries, columns.len());
-                return Err(first.malformed(found, "NCOL, or one entry for each column"));
+                return Err(Error::Malformed {
+                    file: origin.file.into(),
+                    place: (origin.place)(self.at),
+                    found,
+                    expected: "NCOL, or one entry for each column".into(),
+                });
             }
             for term in &mut self.terms {
                 term.column = columns.partition_point(|column| *column < term.column);
@@ -339,8 +356,8 @@ impl Matrix {
             let point = term.column / (COMPONENTS + 1);
             if point > stated {
                 return Err(Error::OutOfRange {
-                    file: first.file.into(),
-                    place: Place::Line(term.line),
+                    file: origin.file.into(),
+                    place: (origin.place)(term.at),
                     what: "column",
                     index: point as i128,
                     first: 1,
@@ -363,11 +380,13 @@ fn key(line: Line<'_>, point: &[u8], component: &[u8]) -> Result<usize, Error> {
         return Err(line.malformed(format!("component {component}"), "a component from 0 to 6"));
     }
     let number: usize = line.integer(point, "a point")?;
-    let key = number
-        .checked_mul(COMPONENTS + 1)
-        .and_then(|key| key.checked_add(component));
-    let key = key.filter(|_| number > 0);
-    key.ok_or_else(|| line.malformed(quoted(point), "the positive number of a point"))
+    point_key(number, component).ok_or_else(|| line.malformed(quoted(point), "the positive number of a point"))
+}
+
+/// The same of numbers; none for what no point can be.
+pub(crate) fn point_key(point: usize, component: usize) -> Option<usize> {
+    let key = point.checked_mul(COMPONENTS + 1)?.checked_add(component)?;
+    (point > 0 && component <= COMPONENTS).then_some(key)
 }
 
 /// Refuses complex matrices.

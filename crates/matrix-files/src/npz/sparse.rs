@@ -166,7 +166,7 @@ impl Sparse<'_> {
                     row,
                     column,
                     value: values[at],
-                    line: at,
+                    at,
                 });
             }
         }

@@ -12,21 +12,17 @@ mod writer;
 
 use std::path::Path;
 
-use sprs::CsMat;
-
 use self::binary::Binary;
-use self::stream::{Header, Stream};
+use self::stream::Stream;
 use self::text::Text;
 pub use self::writer::to_bytes;
 use crate::Error;
-use crate::value::{Array, Collection, Dense, plausible};
+use crate::columns::{Columns, Header};
+use crate::value::{Collection, plausible};
 use file_io::Source;
 
 /// Rows from which on strings have two integers ahead, even if these are not stated as negative.
 const BIG: usize = 65_536;
-
-/// Most places of a dense matrix for each byte that it takes in the file.
-const FILLED: usize = 4;
 
 /// Reads the file at `path`.
 ///
@@ -76,7 +72,7 @@ fn collection(source: Source<'_>, mut stream: impl Stream) -> Result<Collection,
             return Err(stream.malformed(format!("a second `{}`", header.name), "each name once"));
         }
         let start = stream.at();
-        let columns = Columns::read(&mut stream, &header)?;
+        let columns = read_columns(&mut stream, &header)?;
         let array = columns.array(&stream, &header, stream.at() - start)?;
         found.arrays.insert(header.name, array);
     }
@@ -86,177 +82,71 @@ fn collection(source: Source<'_>, mut stream: impl Stream) -> Result<Collection,
     Ok(found)
 }
 
-/// A matrix compressed by columns.
-struct Columns {
-    begins: Vec<usize>,
-    rows: Vec<usize>,
-    values: Vec<f64>,
-    is_sparse: bool,
+fn read_columns(stream: &mut impl Stream, header: &Header) -> Result<Columns, Error> {
+    let mut columns = Columns::new(header.is_negative);
+    loop {
+        let [column, row, words] = stream.column()?;
+        if column > header.columns + 1 {
+            return Err(stream.out_of_range("column", column, header.columns + 1));
+        }
+        if column < columns.next() {
+            let expected = format!("columns that ascend, each once, here {} or later", columns.next());
+            return Err(stream.malformed(format!("column {column}"), expected));
+        }
+        columns.skip_to(column);
+        if column > header.columns {
+            let count = count(stream, words, stream.words(header.is_double, true))?;
+            stream.numbers(count, header.is_double, &mut Vec::new())?;
+            stream.finish()?;
+            return Ok(columns);
+        }
+        if row > 0 {
+            let count = count(stream, words, stream.words(header.is_double, true))?;
+            read_string(&mut columns, stream, header, row, count)?;
+        } else {
+            columns.is_sparse = true;
+            read_strings(&mut columns, stream, header, words)?;
+        }
+        stream.finish()?;
+        columns.skip_to(column + 1);
+    }
 }
 
-impl Columns {
-    fn read(stream: &mut impl Stream, header: &Header) -> Result<Self, Error> {
-        let mut columns = Self {
-            begins: vec![0],
-            rows: Vec::new(),
-            values: Vec::new(),
-            is_sparse: header.is_negative,
+/// A sparse column.
+fn read_strings(columns: &mut Columns, stream: &mut impl Stream, header: &Header, words: usize) -> Result<(), Error> {
+    let mut left = words;
+    while left > 0 {
+        // The words of a string with the integers ahead, and its first row.
+        let (all, ahead, row) = if header.is_negative || header.rows >= BIG {
+            let [length, row] = stream.string()?;
+            (length.saturating_add(1), 2, row)
+        } else {
+            let [packed] = stream.string()?;
+            (packed >> 16, 1, packed & 0xffff)
         };
-        loop {
-            let [column, row, words] = stream.column()?;
-            if column > header.columns + 1 {
-                return Err(out_of_range(stream, "column", column, header.columns + 1));
-            }
-            if column < columns.begins.len() {
-                let expected = format!("columns that ascend, each once, here {} or later", columns.begins.len());
-                return Err(stream.malformed(format!("column {column}"), expected));
-            }
-            columns.begins.resize(column, columns.values.len());
-            if column > header.columns {
-                let count = count(stream, words, stream.words(header.is_double, true))?;
-                stream.numbers(count, header.is_double, &mut Vec::new())?;
-                stream.finish()?;
-                return Ok(columns);
-            }
-            if row > 0 {
-                let count = count(stream, words, stream.words(header.is_double, true))?;
-                columns.string(stream, header, row, count)?;
-            } else {
-                columns.is_sparse = true;
-                columns.strings(stream, header, words)?;
-            }
-            stream.finish()?;
-            columns.begins.push(columns.values.len());
+        if all <= ahead || all > left {
+            let expected = format!("up to {left}, and some for entries");
+            return Err(stream.malformed(format!("a string of {all} words"), expected));
         }
+        let count = count(stream, all - ahead, stream.words(header.is_double, false))?;
+        read_string(columns, stream, header, row, count)?;
+        left -= all;
     }
+    Ok(())
+}
 
-    /// A sparse column.
-    fn strings(&mut self, stream: &mut impl Stream, header: &Header, words: usize) -> Result<(), Error> {
-        let mut left = words;
-        while left > 0 {
-            // The words of a string with the integers ahead, and its first row.
-            let (all, ahead, row) = if header.is_negative || header.rows >= BIG {
-                let [length, row] = stream.string()?;
-                (length.saturating_add(1), 2, row)
-            } else {
-                let [packed] = stream.string()?;
-                (packed >> 16, 1, packed & 0xffff)
-            };
-            if all <= ahead || all > left {
-                let expected = format!("up to {left}, and some for entries");
-                return Err(stream.malformed(format!("a string of {all} words"), expected));
-            }
-            let count = count(stream, all - ahead, stream.words(header.is_double, false))?;
-            self.string(stream, header, row, count)?;
-            left -= all;
-        }
-        Ok(())
-    }
-
-    /// Entries from `row` on, which counts from one.
-    fn string(&mut self, stream: &mut impl Stream, header: &Header, row: usize, count: usize) -> Result<(), Error> {
-        let begin = self.begins.last().copied().unwrap_or(0);
-        let before = self.rows[begin..].last().map_or(0, |row| row + 1);
-        if row <= before {
-            let expected = format!("rows that ascend, each once, here {} or later", before + 1);
-            return Err(stream.malformed(format!("row {row} of column {}", self.begins.len()), expected));
-        }
-        let last = (row - 1).saturating_add(count);
-        if last > header.rows {
-            return Err(out_of_range(stream, "row", last, header.rows));
-        }
-        stream.numbers(count, header.is_double, &mut self.values)?;
-        self.rows.extend(row - 1..last);
-        Ok(())
-    }
-
-    /// The matrix of `bytes` bytes of the file.
-    fn array(self, stream: &impl Stream, header: &Header, bytes: usize) -> Result<Array, Error> {
-        let (rows, columns) = (header.rows, header.columns);
-        let malformed = |found: String, expected: &str| Error::Malformed {
-            file: stream.file().into(),
-            place: header.place.clone(),
-            found,
-            expected: expected.into(),
-        };
-        let unsupported = |found: String, remedy| Error::Unsupported {
-            file: stream.file().into(),
-            place: header.place.clone(),
-            found,
-            remedy,
-        };
-        let is_vector = rows.min(columns) == 1;
-        let of = format!("{rows} rows and {columns} columns of form {}", header.form);
-        match header.form {
-            3 if is_vector => return Ok(Array::Sparse(self.diagonal(rows.max(columns)))),
-            1 | 3..=6 | 8 if rows != columns => return Err(malformed(of, "as many rows as columns")),
-            3 if self.sides() != [false, false] => return Err(malformed(of, "entries on the diagonal alone")),
-            6 if matches!(self.sides(), [true, false] | [false, true]) => {
-                let found = format!(
-                    "the symmetric matrix `{}` with entries on one side of its diagonal",
-                    header.name
-                );
-                return Err(unsupported(
-                    found,
-                    "write both triangles, or all entries as a square matrix (form 1)",
-                ));
-            }
-            8 if self.values.is_empty() => return Ok(Array::Sparse(CsMat::eye(rows))),
-            1..=8 => {}
-            form => {
-                let found = format!("the form {form} of the matrix `{}`", header.name);
-                return Err(unsupported(
-                    found,
-                    "write it as a square or rectangular matrix (form 1 or 2)",
-                ));
-            }
-        }
-        let places = rows.checked_mul(columns);
-        match places.filter(|places| !self.is_sparse && *places <= bytes.saturating_mul(FILLED)) {
-            Some(places) => {
-                let mut data = vec![0.0; places];
-                for (column, ends) in self.begins.windows(2).enumerate() {
-                    for at in ends[0]..ends[1] {
-                        data[column * rows + self.rows[at]] = self.values[at];
-                    }
-                }
-                Ok(Array::Dense(Dense::try_new(rows, columns, data)?))
-            }
-            None => {
-                let by_columns = CsMat::new_csc((rows, columns), self.begins, self.rows, self.values);
-                Ok(Array::Sparse(by_columns.to_csr()))
-            }
-        }
-    }
-
-    /// Whether there are entries other than zero below the diagonal, and above.
-    fn sides(&self) -> [bool; 2] {
-        let mut sides = [false; 2];
-        for (column, ends) in self.begins.windows(2).enumerate() {
-            for at in ends[0]..ends[1] {
-                let is_entry = self.values[at] != 0.0;
-                sides[0] |= is_entry && self.rows[at] > column;
-                sides[1] |= is_entry && self.rows[at] < column;
-            }
-        }
-        sides
-    }
-
-    /// The square matrix with this vector on its diagonal.
-    fn diagonal(self, size: usize) -> CsMat<f64> {
-        let mut places = Vec::with_capacity(self.rows.len());
-        for (column, ends) in self.begins.windows(2).enumerate() {
-            places.extend(self.rows[ends[0]..ends[1]].iter().map(|row| column.max(*row)));
-        }
-        let mut starts = vec![0; size + 1];
-        for place in &places {
-            starts[place + 1] = 1;
-        }
-        for row in 0..size {
-            starts[row + 1] += starts[row];
-        }
-        CsMat::new((size, size), starts, places, self.values)
-    }
+/// Entries from `row` on.
+fn read_string(
+    columns: &mut Columns,
+    stream: &mut impl Stream,
+    header: &Header,
+    row: usize,
+    count: usize,
+) -> Result<(), Error> {
+    let rows = columns.string(stream, header, row, count)?;
+    stream.numbers(count, header.is_double, &mut columns.values)?;
+    columns.rows.extend(rows);
+    Ok(())
 }
 
 /// Numbers that so many words are.
@@ -265,15 +155,4 @@ fn count(stream: &impl Stream, words: usize, each: usize) -> Result<usize, Error
         return Ok(words / each);
     }
     Err(stream.malformed(format!("{words} words of entries"), format!("{each} for each")))
-}
-
-fn out_of_range(stream: &impl Stream, what: &'static str, index: usize, last: usize) -> Error {
-    Error::OutOfRange {
-        file: stream.file().into(),
-        place: stream.place(),
-        what,
-        index: index as i128,
-        first: 1,
-        last,
-    }
 }

@@ -1,7 +1,8 @@
 //! Records as lines.
 
-use super::stream::{Header, Stream};
+use super::stream::Stream;
 use crate::Error;
+use crate::columns::{Header, Position};
 use crate::text::Line;
 use file_io::{Place, Source, quoted};
 
@@ -60,7 +61,7 @@ impl<'a> Text<'a> {
     }
 }
 
-impl Stream for Text<'_> {
+impl Position for Text<'_> {
     fn file(&self) -> &str {
         self.source.name
     }
@@ -68,7 +69,9 @@ impl Stream for Text<'_> {
     fn place(&self) -> Place {
         Place::Line(self.line.number.max(1))
     }
+}
 
+impl Stream for Text<'_> {
     fn at(&self) -> usize {
         self.at
     }

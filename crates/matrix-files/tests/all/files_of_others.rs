@@ -1,22 +1,18 @@
 //! Files that other programs wrote, with the numbers that were put into them.
 //!
-//! `make_scipy.py` made those of NumPy and SciPy, `make_octave.m` those of Octave. CalculiX 2.20 made
+//! `make_scipy.py` made those of NumPy and SciPy, `make_octave.m` those of Octave, `make_ansys.py` that of Ansys. CalculiX 2.20 made
 //! `two_hexes.sti`, `.mas` and `.dof` from `two_hexes.inp`, and `two_hexes.mtx` from `two_hexes_substructure.inp`.
 
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
+use crate::nastran::fixture;
 use file_io::Source;
-use matrix_files::value::{Array, Collection, Dense, Dof};
-use matrix_files::{Error, abaqus, calculix, mat, matrix_market, npz};
+use matrix_files::value::{Array, Assembled, Collection, Dense, Dof};
+use matrix_files::{Error, abaqus, ansys, calculix, mat, matrix_market, npz};
 use sprs::CsMat;
 use test_support::TemporaryFolder;
-
-fn fixture(name: &str) -> PathBuf {
-    [env!("CARGO_MANIFEST_DIR"), "tests", "fixtures", name].iter().collect()
-}
 
 fn dense(rows: usize, columns: usize, by_rows: &[f64]) -> Array {
     Array::Dense(Dense::try_from_rows(rows, columns, by_rows.to_vec()).unwrap())
@@ -208,7 +204,7 @@ fn matrices_of_calculix() {
         .flat_map(|&node| components.map(|component| Dof::Nodal { node, component }))
         .collect();
     assert_eq!(model.dofs, expected);
-    let (stiffness, mass) = (&model.matrices[calculix::STIFFNESS], &model.matrices[calculix::MASS]);
+    let (stiffness, mass) = (&model.matrices[Assembled::STIFFNESS], &model.matrices[Assembled::MASS]);
     for m in [stiffness, mass] {
         assert_eq!((m.shape(), m.nnz(), m.is_csr()), ((24, 24), 24 * 24, true));
         assert!(m.iter().all(|(value, (i, j))| m.get(j, i) == Some(value)));
@@ -308,4 +304,45 @@ fn the_file_that_is_missing_is_named() {
         mat::read(&fixture("none.mat")),
         Err(Error::File(file_io::input::Error::Unreadable { .. }))
     ));
+}
+
+#[test]
+fn matrices_of_ansys() {
+    let found = ansys::read(&fixture("small.full")).unwrap();
+    // The y of node 3 is held.
+    let dofs = [(7, 1), (7, 2), (7, 3), (3, 1), (5, 3)].map(|(node, component)| Dof::new(node, component));
+    assert_eq!(found.dofs, dofs);
+    let entries = |name: &str| -> Vec<(usize, usize, f64)> {
+        let matrix = &found.matrices[name];
+        assert_eq!(matrix.shape(), (5, 5));
+        matrix
+            .iter()
+            .map(|(v, (i, j))| (i, j, *v))
+            .filter(|(.., v)| *v != 0.0)
+            .collect()
+    };
+    let stiffness = [
+        (0, 0, 4.0),
+        (0, 1, -1.5),
+        (0, 4, 0.25),
+        (1, 0, -1.5),
+        (1, 1, 3.0),
+        (1, 2, 1e-3),
+        (2, 1, 1e-3),
+        (2, 2, 2.5e9),
+        (2, 3, 7.0),
+        (3, 2, 7.0),
+        (3, 3, 9.0),
+        (3, 4, -1.0),
+        (4, 0, 0.25),
+        (4, 3, -1.0),
+        (4, 4, 5.0),
+    ];
+    assert_eq!(entries(Assembled::STIFFNESS), stiffness);
+    let mass = [1.0, 2.0, 3.0, 4.0, 1.0 / 3.0];
+    assert_eq!(
+        entries(Assembled::MASS),
+        mass.iter().enumerate().map(|(i, m)| (i, i, *m)).collect::<Vec<_>>()
+    );
+    assert_eq!(entries(Assembled::DAMPING), [(0, 0, 0.1), (3, 3, 0.2)]);
 }

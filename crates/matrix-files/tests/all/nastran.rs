@@ -11,11 +11,11 @@ use std::path::PathBuf;
 
 use matrix_files::dmig::{self, PointMatrices};
 use matrix_files::value::{Array, Dense, Dof};
-use matrix_files::{Error, op4};
+use matrix_files::{Error, op2, op4};
 use proptest::prelude::*;
 use sprs::CsMat;
 
-fn fixture(name: &str) -> PathBuf {
+pub(crate) fn fixture(name: &str) -> PathBuf {
     [env!("CARGO_MANIFEST_DIR"), "tests", "fixtures", name].iter().collect()
 }
 
@@ -116,6 +116,155 @@ fn output4_of_other_programs() {
 fn nodal(list: &[(u64, u32)]) -> Vec<Dof> {
     let dof = |&(node, component): &(u64, u32)| Dof::Nodal { node, component };
     list.iter().map(dof).collect()
+}
+
+#[test]
+fn output2_as_pyyeti_reads_it() {
+    for name in ["blocks_le.op2", "blocks_be.op2", "blocks_wide.op2"] {
+        let op2::Contents { arrays, points } = op2::read(&fixture(name)).unwrap();
+        assert_eq!(points, PointMatrices::default());
+        let stored = |list: &[(usize, usize, f64)]| -> Vec<(usize, usize, f64)> {
+            let narrow = |(i, j, v): &(usize, usize, f64)| match name {
+                "blocks_be.op2" => (*i, *j, f64::from(*v as f32)),
+                _ => (*i, *j, *v),
+            };
+            list.iter().map(narrow).filter(|entry| entry.2 != 0.0).collect()
+        };
+        assert!(
+            arrays.arrays.keys().eq(["K", "M", "S"]),
+            "{name}: {:?}",
+            arrays.arrays.keys()
+        );
+        for (array, shape, expected, is_sparse) in [
+            ("K", (3, 3), &K[..], true),
+            ("M", (2, 3), &M, false),
+            ("S", (7, 4), &S, true),
+        ] {
+            let array = &arrays.arrays[array];
+            let of = entries(array);
+            assert_eq!((of.0, stored(&of.1)), (shape, stored(expected)), "{name}");
+            assert_eq!(matches!(array, Array::Sparse(_)), is_sparse, "{name}");
+        }
+        let skipped: Vec<_> = arrays
+            .skipped
+            .iter()
+            .map(|s| format!("{}: {}", s.name, s.reason))
+            .collect();
+        assert_eq!(
+            skipped,
+            [
+                "CASECC: a table",
+                "C: a complex matrix",
+                "GIVEN: several blocks have this name"
+            ]
+        );
+    }
+
+    let m = |m: &CsMat<f64>| entries(&Array::Sparse(m.clone()));
+    let upper = K.iter().filter(|(i, j, _)| i <= j);
+    let upper: Vec<_> = upper
+        .map(|&(i, j, v)| (i, j, if i == j { v + 1.0 } else { v }))
+        .collect();
+    let found = op2::read(&fixture("tables.op2")).unwrap();
+    assert_eq!(found.arrays, matrix_files::value::Collection::default());
+    assert_eq!(found.points.dofs, nodal(&[(11, 1), (12, 3), (101, 0)]));
+    assert!(found.points.matrices.keys().eq(["B", "KAAX"]) && found.points.numbered.keys().eq(["FV"]));
+    let square = |name: &str| m(&found.points.matrices[name]);
+    let nonzero = |(shape, list): Entries| {
+        (
+            shape,
+            list.into_iter().filter(|entry| entry.2 != 0.0).collect::<Vec<_>>(),
+        )
+    };
+    assert_eq!(square("KAAX"), ((3, 3), K.to_vec()));
+    assert_eq!(nonzero(square("B")), ((3, 3), upper.clone()));
+    let turned: Vec<_> = (0..3)
+        .flat_map(|i| (0..2).map(move |j| (i, j, M[3 * j + i].2)))
+        .collect();
+    assert_eq!(m(&found.points.numbered["FV"]), ((3, 2), turned));
+
+    let external = op2::read(&fixture("external.op2")).unwrap();
+    assert!(external.points.matrices.keys().eq(["MATK", "MATM"]));
+    assert_eq!(m(&external.points.matrices["MATK"]), ((3, 3), K.to_vec()));
+    assert_eq!(nonzero(m(&external.points.matrices["MATM"])), ((3, 3), upper));
+    let skipped: Vec<&str> = external.arrays.skipped.iter().map(|s| s.name.as_str()).collect();
+    assert_eq!(skipped, ["XSOP2DIR", "GEOM1EX"]);
+}
+
+#[test]
+fn output2_refusals() {
+    let refused = |result: Result<op2::Contents, Error>, expected: &str| refused(result.map(|_| ()), expected);
+    refused(
+        op2::parse(source(b"")),
+        "byte 0: a file that begins with no key of `OUTPUT2` is not supported",
+    );
+    let read = |name: &str| std::fs::read(fixture(name)).unwrap();
+    // In words of four bytes: a key takes three.
+    let altered = |name: &str, word: usize, to: i32| {
+        let mut bytes = read(name);
+        bytes[4 * word..4 * word + 4].copy_from_slice(&to.to_le_bytes());
+        bytes
+    };
+    let words: Vec<i32> = read("blocks_le.op2")
+        .chunks(4)
+        .map(|w| i32::from_le_bytes(w.try_into().unwrap()))
+        .collect();
+    let table: Vec<i32> = read("tables.op2")
+        .chunks(4)
+        .map(|w| i32::from_le_bytes(w.try_into().unwrap()))
+        .collect();
+    // The first column of K: its row, one, and two entries.
+    let column = words.windows(3).position(|w| w == [20, 1, 0]).unwrap();
+    let of = |name: &str, list: &[i32]| {
+        let all = if name == "tables.op2" { &table } else { &words };
+        all.windows(list.len()).position(|w| w == list).unwrap()
+    };
+    let description = of("blocks_le.op2", &[28, 101, 3, 3, 6, 2]);
+    let header = of("tables.op2", &[0, 6, 2, 2, 0, 0, 3]);
+    for (bytes, expected) in [
+        (
+            altered("blocks_le.op2", column + 1, 0),
+            "found row 0 of column 1, expected rows that ascend",
+        ),
+        (altered("blocks_le.op2", column + 1, 3), "the row 4 is outside 1 to 3"),
+        (altered("blocks_le.op2", column + 1, -1), "found -1, expected a row"),
+        (altered("blocks_le.op2", column, 16), "the same length at both ends"),
+        (
+            altered("blocks_le.op2", description + 2, 2),
+            "the column 3 is outside 1 to 2",
+        ),
+        (
+            altered("blocks_le.op2", description + 3, 1 << 30),
+            "the number of rows or columns is stated as 1073741824",
+        ),
+        (
+            altered("blocks_le.op2", description - 5, -7),
+            "found the key -7, expected -1",
+        ),
+        (
+            read("blocks_le.op2")[..600].to_vec(),
+            "byte 596: the number of bytes of a record",
+        ),
+        (altered("tables.op2", header + 7, 0), "found point 0, component 1"),
+        (altered("tables.op2", header + 8, 7), "found point 11, component 7"),
+        (altered("tables.op2", header + 17, 5), "found point 5, component -1"),
+    ] {
+        refused(op2::parse(source(&bytes)), expected);
+    }
+    // What is of another kind is passed over.
+    for (at, to, expected) in [
+        (1, 3, "the form 3"),
+        (2, 4, "the complex matrix"),
+        (4, 1, "the complex matrix"),
+    ] {
+        let found = op2::parse(source(&altered("tables.op2", header + at, to))).unwrap();
+        assert!(found.points.matrices.keys().eq(["B"]));
+        assert!(
+            found.arrays.skipped[0].reason.contains(expected),
+            "{:?}",
+            found.arrays.skipped
+        );
+    }
 }
 
 #[test]

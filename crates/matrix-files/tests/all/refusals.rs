@@ -5,7 +5,7 @@
 use file_io::{Place, Source};
 use matrix_files::abaqus::{parse_assembled, parse_substructure};
 use matrix_files::value::{Array, Collection, Dof};
-use matrix_files::{Error, calculix, mat, matrix_market, npz};
+use matrix_files::{Error, ansys, calculix, mat, matrix_market, npz};
 
 pub(crate) fn source(bytes: &[u8]) -> Source<'_> {
     Source {
@@ -500,4 +500,67 @@ fn errors_carry_numbers_too() {
             ..
         })
     ));
+}
+
+#[test]
+fn files_of_ansys() {
+    let sound = std::fs::read(crate::nastran::fixture("small.full")).unwrap();
+    // The second head begins after 103 words, and its numbers two words later.
+    const HEAD: usize = 105;
+    let altered = |word: usize, to: i32| {
+        let mut bytes = sound.clone();
+        bytes[4 * word..4 * word + 4].copy_from_slice(&to.to_le_bytes());
+        bytes
+    };
+    let word = |at: usize| i32::from_le_bytes(sound[4 * at..4 * at + 4].try_into().unwrap());
+    let [stiffness, components, scale] = [18, 35, 59].map(|index| word(HEAD + index) as usize);
+    let mut scaled = sound.clone();
+    scaled[4 * (scale + 6)..4 * (scale + 8)].copy_from_slice(&2.0_f64.to_le_bytes());
+    for (bytes, expected) in [
+        (
+            altered(2, 8),
+            "a file of a superelement is not supported; read it in Ansys by *SMAT",
+        ),
+        (altered(2, 12), "found the number 12, expected 4"),
+        (altered(HEAD, 4), "the frontal solver"),
+        (altered(HEAD + 10, 1), "a lumped mass is not supported"),
+        (altered(HEAD + 13, 1), "an unsymmetric matrix"),
+        (altered(HEAD + 20, 2), "constraint equations"),
+        (altered(HEAD + 62, 1), "one process of several"),
+        (
+            altered(HEAD + 1, i32::MAX),
+            "the number of equations is stated as 2147483647",
+        ),
+        (
+            altered(HEAD + 1, 5),
+            "found a record that breaks off, expected all of its numbers",
+        ),
+        (altered(HEAD + 18, 1 << 28), "expected more bytes"),
+        (
+            altered(components + 4, 4),
+            "found more degrees of freedom at nodes, expected 6",
+        ),
+        (
+            altered(components + 4, 2),
+            "found 6 equations, expected nodes for all of them",
+        ),
+        (altered(components + 14, 7), "the degree of freedom 7 of node 7"),
+        (altered(components + 10, 99), "expected all of its numbers"),
+        (scaled, "a scaled matrix"),
+        (
+            altered(stiffness, 1 << 20),
+            "the number of words of a record is stated as 1048576",
+        ),
+        (altered(stiffness + 1, 0x20 << 24), "a packed record is not supported"),
+        (altered(stiffness + 2, 7), "the column 7 is outside 1 to 6"),
+        (altered(stiffness + 2, 1), "is given twice"),
+        (altered(stiffness + 5, 1), "expected their number at its end"),
+        (
+            sound[..300].to_vec(),
+            "the number of words of a record is stated as 100",
+        ),
+        (Vec::new(), "byte 0: found the end of the file"),
+    ] {
+        refused(ansys::parse(source(&bytes)), expected);
+    }
 }

@@ -29,7 +29,9 @@ def read_matrices(path: str | os.PathLike[str]) -> dict[str, Any]:
     ``.mat``      MATLAB and Octave (``-v6``, ``-v7``, ``-v7.3``)
     ``.mtx``      Matrix Market; ``*SUBSTRUCTURE MATRIX OUTPUT`` and ``*MATRIX OUTPUT`` of Abaqus
     ``.sti``      CalculiX, with ``.mas`` and ``.dof`` beside it
+    ``.full``     assembled matrices of Ansys
     ``.op4``      ``OUTPUT4`` of Nastran
+    ``.op2``      ``OUTPUT2`` of Nastran: matrices, and tables ``DMIG`` by their own names
     ``.pch``      entries ``DMIG`` of Nastran, also in ``.bdf`` and ``.dat``
     ============  =========================================================================================
 
