@@ -9,7 +9,7 @@ use dense_algebra::SystemMatrix;
 use joints::Options;
 use joints::progress::{Progress, Silent};
 use joints::structure::Structure;
-use scenes::Scene;
+use scenes::{OwnInterface, Scene};
 use serde_json::{Value, json};
 use std::sync::Mutex;
 use test_support::TemporaryFolder;
@@ -262,12 +262,32 @@ fn patterns_of_names_and_bolts_are_the_joints_written_one_by_one() {
     };
     assert_eq!(names(&written), ["lap 1", "lap 2"]);
     assert_eq!(names(&by_patterns), ["bar 1 on bar 2", "bar 2 on bar 3"]);
-    let [a, b] = [&written, &by_patterns].map(|summary| numbers(&summary["backbone"], "frequency_hz"));
-    assert!(!a.is_empty() && a.len() == b.len());
-    for (a, b) in a.iter().zip(&b) {
-        println!("{a} {b}");
-        assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+    // One pair has an interface ahead of the pattern, the other one is left for it.
+    let one_ahead = |mesh: &mut Value| {
+        mesh["interfaces"] =
+            json!([{ "name": "own", "between": ["bar 3", "bar 2"] }, { "between": ["bar *", "b*r*"] }]);
+    };
+    let one_by_name = summary(&found(&with(&one_ahead).unwrap()));
+    assert_eq!(names(&one_by_name), ["own", "bar 1 on bar 2"]);
+    let frequencies = |summary: &Value| numbers(&summary["backbone"], "frequency_hz");
+    let expected = frequencies(&written);
+    for summary in [&by_patterns, &one_by_name] {
+        let found = frequencies(summary);
+        assert!(!found.is_empty() && found.len() == expected.len());
+        for (a, b) in found.iter().zip(&expected) {
+            assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+        }
     }
+    let mut of_its_own = with(&one_ahead).unwrap();
+    of_its_own.interfaces.each = vec![
+        OwnInterface {
+            mu: Some(0.7),
+            ..Default::default()
+        },
+        Default::default(),
+    ];
+    let mu: Vec<f64> = numbers(&summary(&found(&of_its_own))["interfaces"], "mu");
+    assert_eq!(mu, [0.7, of_its_own.interfaces.mu]);
 
     for (change, told) in [
         (json!({ "interfaces": [{ "between": ["beam *", "bar *"] }] }), "bar 1"),

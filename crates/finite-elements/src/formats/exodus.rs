@@ -91,7 +91,13 @@ pub(super) fn solid_mesh(file: &str, bytes: &[u8]) -> Result<SolidMesh, Error> {
         problem: format!("it is no netCDF file: {reason}"),
         remedy: "save the mesh again as Exodus II",
     })?;
-    Reader { file, source, most }.read()
+    let reader = Reader {
+        file,
+        source,
+        most,
+        bytes: bytes.len(),
+    };
+    reader.read()
 }
 
 struct Reader<'a> {
@@ -99,6 +105,8 @@ struct Reader<'a> {
     source: NcFile,
     /// Most numbers that a variable may have in a file of this size.
     most: usize,
+    /// Size of the file.
+    bytes: usize,
 }
 
 /// A solid by its number in the file: its label, its kind, and the labels of its nodes in the order of the file.
@@ -128,6 +136,7 @@ impl Reader<'_> {
         let count = self.size("num_nodes")?.unwrap_or(0);
         let positions = self.positions(count)?;
         let labels = self.labels(&["node_num_map", "node_id_map"], count)?;
+        let labels = labels.unwrap_or_else(|| (1..=count as u64).collect());
         for (label, position) in labels.iter().zip(positions) {
             mesh.node(0, *label, position, &refuse)?;
         }
@@ -157,21 +166,21 @@ impl Reader<'_> {
     }
 
     fn positions(&self, count: usize) -> Result<Vec<[f64; 3]>, Error> {
-        let mut positions = vec![[0.0; 3]; count];
         if let Some(all) = self.numbers("coord")? {
             if all.len() != 3 * count {
                 return Err(self.fails("coord", "there must be three coordinates of each node"));
             }
-            for (number, position) in positions.iter_mut().enumerate() {
-                *position = [0, 1, 2].map(|axis| all[axis * count + number]);
-            }
-            return Ok(positions);
+            let position = |number: usize| [0, 1, 2].map(|axis| all[axis * count + number]);
+            return Ok((0..count).map(position).collect());
         }
+        // No room is made for a number of nodes that the coordinates do not have.
+        let mut positions = Vec::new();
         for (axis, variable) in ["coordx", "coordy", "coordz"].into_iter().enumerate() {
             let along = self.numbers(variable)?.unwrap_or_default();
             if along.len() != count {
                 return Err(self.fails(variable, format!("there are {} numbers for {count} nodes", along.len())));
             }
+            positions.resize(count, [0.0; 3]);
             for (position, x) in positions.iter_mut().zip(along) {
                 position[axis] = x;
             }
@@ -179,17 +188,17 @@ impl Reader<'_> {
         Ok(positions)
     }
 
-    /// Numbers by which the file calls its nodes or elements; from one without such.
-    fn labels(&self, variables: &[&str], count: usize) -> Result<Vec<u64>, Error> {
+    /// Numbers by which the file calls its nodes or elements; none where it counts them from one.
+    fn labels(&self, variables: &[&str], count: usize) -> Result<Option<Vec<u64>>, Error> {
         for variable in variables {
             if let Some(labels) = self.integers(variable)? {
                 if labels.len() != count {
                     return Err(self.fails(variable, format!("there are {} numbers for {count}", labels.len())));
                 }
-                return Ok(labels);
+                return Ok(Some(labels));
             }
         }
-        Ok((1..=count as u64).collect())
+        Ok(None)
     }
 
     /// Adds the elements of all blocks.
@@ -240,9 +249,10 @@ impl Reader<'_> {
                 let nodes = element.iter().map(|index| at(labels, *index).copied());
                 let nodes: Option<Vec<u64>> = nodes.collect();
                 let nodes = nodes.ok_or_else(|| self.fails(&variable, "a node is not in the file"))?;
-                let label = *numbers
-                    .get(known.len())
-                    .ok_or_else(|| self.fails(&variable, format!("there are more elements than {elements}")))?;
+                if known.len() == elements {
+                    return Err(self.fails(&variable, format!("there are more elements than {elements}")));
+                }
+                let label = numbers.as_ref().map_or(known.len() as u64 + 1, |own| own[known.len()]);
                 match solid {
                     Some(solid) => {
                         let ours: Vec<u64> = solid.order.iter().map(|place| nodes[*place]).collect();
@@ -331,6 +341,10 @@ impl Reader<'_> {
 
     /// Names of blocks or sets: those of the file, or else their numbers.
     fn names(&self, names: &str, numbers: &str, kind: &str, count: usize) -> Result<Vec<String>, Error> {
+        // Each has a variable of its own.
+        if count > self.bytes {
+            return Err(self.fails(numbers, format!("the file has no room for {count} of them")));
+        }
         let numbers = self.integers(numbers)?.unwrap_or_default();
         let given = match self.source.variable(names) {
             Ok(_) => self.source.read_variable_as_strings(names).unwrap_or_default(),

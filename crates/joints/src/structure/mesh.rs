@@ -70,9 +70,9 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
     assembly.masses = super::masses::at_positions(&assembly.mesh.nodes, masses)?;
     let (response_node, direction) = file.response(&source.response)?;
     let excitations = excited(scene, |field, node| file.named_node(field, node))?;
-    let mut surfaces = Vec::new();
+    let (mut surfaces, mut paired) = (Vec::new(), BTreeSet::new());
     for (number, interface) in (1..).zip(&source.interfaces) {
-        surfaces.extend(file.surfaces(number, interface)?);
+        surfaces.extend(file.surfaces(number, interface, &mut paired)?);
     }
     let elements = &assembly.mesh.elements;
     let is_linear = |element: &&Element| element.cell.element_type().quadratic().is_some();
@@ -580,8 +580,14 @@ impl File<'_> {
         }
     }
 
-    /// The pairs of surfaces of an interface: one that is named, or all patches where two bodies touch.
-    fn surfaces<'a>(&self, number: usize, interface: &'a MeshInterface) -> Result<Vec<Named<'a>>, Error> {
+    /// The pairs of surfaces of an interface: one that is named, or all patches where two bodies touch. Pairs of volumes go to `paired`; those of
+    /// a pattern are only those that are not there.
+    fn surfaces<'a>(
+        &self,
+        number: usize,
+        interface: &'a MeshInterface,
+        paired: &mut BTreeSet<[String; 2]>,
+    ) -> Result<Vec<Named<'a>>, Error> {
         let name = interface.name.clone().unwrap_or_else(|| number.to_string());
         let field = || format!("structure.mesh.interfaces, number {number}");
         let cells = match (&interface.top, &interface.bottom, &interface.between) {
@@ -590,9 +596,10 @@ impl File<'_> {
                 return Ok(vec![self.named(number, interface, name, sides)]);
             }
             (None, None, Some(volumes)) if volumes.iter().any(|name| self.is_pattern(name)) => {
-                return self.of_pairs(number, interface, volumes);
+                return self.of_pairs(number, interface, volumes, paired);
             }
             (None, None, Some(volumes)) => {
+                paired.insert(in_order(volumes.each_ref()));
                 let mut of_cell = vec![None; self.mesh.cells.len()];
                 for (side, volume) in volumes.iter().enumerate() {
                     for &cell in &*self.volume(volume)? {
@@ -711,6 +718,7 @@ impl File<'_> {
         number: usize,
         interface: &'a MeshInterface,
         patterns: &[String; 2],
+        paired: &mut BTreeSet<[String; 2]>,
     ) -> Result<Vec<Named<'a>>, Error> {
         let field = || format!("structure.mesh.interfaces, number {number}");
         let [tops, bottoms] = [self.volumes(&patterns[0])?, self.volumes(&patterns[1])?];
@@ -747,7 +755,6 @@ impl File<'_> {
             .map(|(name, faces)| (*name, self.bounding_box(faces)))
             .collect();
         let mut found = Vec::new();
-        let mut paired = BTreeSet::new();
         for (top, bottom) in tops
             .iter()
             .flat_map(|top| bottoms.iter().map(move |bottom| (top, bottom)))
@@ -756,7 +763,7 @@ impl File<'_> {
                 continue;
             };
             let apart = (0..3).any(|q| own[0][q] > other[1][q] + reach || other[0][q] > own[1][q] + reach);
-            if top == bottom || apart || !paired.insert([top.min(bottom), top.max(bottom)]) {
+            if top == bottom || apart || !paired.insert(in_order([top, bottom])) {
                 continue;
             }
             let name = match &interface.name {
@@ -770,7 +777,7 @@ impl File<'_> {
             true => self.fail(
                 field(),
                 format!(
-                    "of {} and {} volumes none touch; give a larger distance `within`, or check the geometry",
+                    "of {} and {} volumes none touch that no entry before has; give a larger distance `within`, or check the geometry",
                     tops.len(),
                     bottoms.len()
                 ),
@@ -787,6 +794,11 @@ impl File<'_> {
             |[low, high], &node| [low.inf(&self.at(node)), high.sup(&self.at(node))],
         )
     }
+}
+
+/// A pair whichever is named first.
+fn in_order([a, b]: [&String; 2]) -> [String; 2] {
+    [a.min(b).clone(), a.max(b).clone()]
 }
 
 /// Whether a name fits a pattern, in which `*` stands for any text.
