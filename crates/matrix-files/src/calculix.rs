@@ -68,7 +68,7 @@ pub fn read(path: &Path) -> Result<Assembled, Error> {
     })
 }
 
-/// Reads [`STIFFNESS`] and [`MASS`].
+/// Reads [`Assembled::STIFFNESS`] and [`Assembled::MASS`].
 ///
 /// # Errors
 /// [`Error::NoDofMap`] for an empty list of components, [`Error::Malformed`], [`Error::OutOfRange`],

@@ -39,8 +39,8 @@ pub fn read(path: &Path) -> Result<Collection, Error> {
 /// Reads all matrices by the names that they have in the file: text in any format of numbers, binary in either byte
 /// order with words of 32 or 64 bits, single and double precision.
 ///
-/// [`Array::Dense`] if all columns are dense, and not so many zeros are left out that the matrix would take much more
-/// room than the file; else [`Array::Sparse`]. Entries come as they stand: programs state matrices as symmetric (form 6)
+/// [`Dense`](crate::value::Array::Dense) if all columns are dense, and not so many zeros are left out that the matrix would take much more
+/// room than the file; else [`Sparse`](crate::value::Array::Sparse). Entries come as they stand: programs state matrices as symmetric (form 6)
 /// that are so but for round-off. A diagonal (form 3) that is stored as a vector becomes a square matrix, and so does an
 /// identity (form 8) without columns.
 ///
