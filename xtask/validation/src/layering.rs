@@ -16,18 +16,21 @@ const ALLOWED: [(&str, &[&str]); 27] = [
     ("dense-algebra", &[]),
     ("contact-laws", &[]),
     // Files that users name, and files that others trust; whatever they hold.
-    ("file-io", &[]),
+    ("microslip-file-io", &[]),
     ("contact-laws-c", &["contact-laws"]),
     // Scans come in NumPy files and ZIP archives too.
-    ("surface-characterisation", &["contact-laws", "file-io", "matrix-files"]),
+    (
+        "surface-characterisation",
+        &["contact-laws", "microslip-file-io", "matrix-files"],
+    ),
     ("zte-assembly", &["contact-laws"]),
-    ("finite-elements", &["dense-algebra", "file-io"]),
+    ("finite-elements", &["dense-algebra", "microslip-file-io"]),
     // The relative system is built from the assembled one, and the stuck modes use its eigensolver.
     ("reduction", &["dense-algebra", "finite-elements"]),
     // Formats only: what matrices mean is for those who ask for them.
-    ("matrix-files", &["file-io"]),
+    ("matrix-files", &["microslip-file-io"]),
     // It reads signals from files of arrays.
-    ("modal-identification", &["file-io", "matrix-files"]),
+    ("modal-identification", &["microslip-file-io", "matrix-files"]),
     // Forces with memory speak of sticking and count regimes in the words of the laws, which have no dependency themselves.
     ("cqsma-solver", &["contact-laws", "dense-algebra"]),
     // It linearises nothing itself: static state, stuck structure and modes are those of the quasi-static solver.
@@ -52,11 +55,11 @@ const ALLOWED: [(&str, &[&str]); 27] = [
             "zte-assembly",
             "finite-elements",
             "cqsma-solver",
-            "file-io",
+            "microslip-file-io",
         ],
     ),
     (
-        "joints",
+        "microslip-joints",
         &[
             "scenes",
             "joint-model",
@@ -69,7 +72,7 @@ const ALLOWED: [(&str, &[&str]); 27] = [
             "cqsma-solver",
             "harmonic-balance",
             "matrix-files",
-            "file-io",
+            "microslip-file-io",
             // What is stored is keyed by the arithmetic of the processor.
             "dense-algebra",
         ],
@@ -78,7 +81,7 @@ const ALLOWED: [(&str, &[&str]); 27] = [
         "analyses",
         &[
             "bolted-structures",
-            "joints",
+            "microslip-joints",
             "scenes",
             "joint-model",
             "contact-laws",
@@ -92,7 +95,7 @@ const ALLOWED: [(&str, &[&str]); 27] = [
             "matrix-files",
             // Computed motions are identified like measured ones.
             "modal-identification",
-            "file-io",
+            "microslip-file-io",
             "dense-algebra",
         ],
     ),
@@ -101,7 +104,7 @@ const ALLOWED: [(&str, &[&str]); 27] = [
         "reports",
         &[
             "analyses",
-            "joints",
+            "microslip-joints",
             "scenes",
             "joint-model",
             "contact-laws",
@@ -112,24 +115,31 @@ const ALLOWED: [(&str, &[&str]); 27] = [
             // It writes arrays of periodic motions.
             "matrix-files",
             "modal-identification",
-            "file-io",
+            "microslip-file-io",
         ],
     ),
     // Many scenes, and the tables and pictures of them.
     (
         "parameter-studies",
-        &["analyses", "joints", "scenes", "joint-model", "reports", "file-io"],
+        &[
+            "analyses",
+            "microslip-joints",
+            "scenes",
+            "joint-model",
+            "reports",
+            "microslip-file-io",
+        ],
     ),
     // What programs share and libraries do without: clock, commit, folders of the user, and the benchmarks that scenes may name.
     (
-        "host",
+        "microslip-host",
         &[
             "analyses",
-            "joints",
+            "microslip-joints",
             "scenes",
             "joint-model",
             "brake-reuss-beam",
-            "file-io",
+            "microslip-file-io",
         ],
     ),
     (
@@ -139,7 +149,7 @@ const ALLOWED: [(&str, &[&str]); 27] = [
             "reports",
             "parameter-studies",
             "analyses",
-            "joints",
+            "microslip-joints",
             "scenes",
             "joint-model",
             "contact-laws",
@@ -147,8 +157,8 @@ const ALLOWED: [(&str, &[&str]); 27] = [
             "zte-assembly",
             "finite-elements",
             // What it shares with the Python package.
-            "host",
-            "file-io",
+            "microslip-host",
+            "microslip-file-io",
             "matrix-files",
             "modal-identification",
         ],
@@ -157,16 +167,16 @@ const ALLOWED: [(&str, &[&str]); 27] = [
     (
         "microslip-python",
         &[
-            "host",
+            "microslip-host",
             "reports",
             "analyses",
-            "joints",
+            "microslip-joints",
             "scenes",
             "joint-model",
             "contact-laws",
             "cqsma-solver",
             "dense-algebra",
-            "file-io",
+            "microslip-file-io",
             "matrix-files",
             "modal-identification",
             "harmonic-balance",
@@ -184,10 +194,10 @@ const ALLOWED: [(&str, &[&str]); 27] = [
         &[
             "xtask",
             "microslip",
-            "host",
+            "microslip-host",
             "reports",
             "analyses",
-            "joints",
+            "microslip-joints",
             "scenes",
             "joint-model",
             "contact-laws",
@@ -199,7 +209,7 @@ const ALLOWED: [(&str, &[&str]); 27] = [
             "brake-reuss-beam",
             "matrix-files",
             // Finished scenes are stored like reduced models.
-            "file-io",
+            "microslip-file-io",
         ],
     ),
 ];
@@ -214,7 +224,7 @@ const IN_TESTS: [(&str, &str); 5] = [
     ("parameter-studies", "brake-reuss-beam"),
     // A benchmark knows no scenes; its tests read and run its own.
     ("brake-reuss-beam", "scenes"),
-    ("brake-reuss-beam", "joints"),
+    ("brake-reuss-beam", "microslip-joints"),
     ("brake-reuss-beam", "analyses"),
 ];
 
