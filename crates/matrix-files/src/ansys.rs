@@ -11,7 +11,7 @@ use std::path::Path;
 use crate::Error;
 use crate::columns::Position;
 use crate::triplets::{self, Entry, Origin};
-use crate::value::{Assembled, Dof, plausible};
+use crate::value::{Assembled, Dof};
 use file_io::{Place, Source};
 
 /// Bytes of a word.
@@ -36,11 +36,7 @@ const COMPONENTS: i32 = 6;
 /// # Errors
 /// [`Error::File`], and those of [`parse`].
 pub fn read(path: &Path) -> Result<Assembled, Error> {
-    let bytes = crate::text::load(path)?;
-    parse(Source {
-        name: &path.to_string_lossy(),
-        bytes: &bytes,
-    })
+    crate::text::read(path, parse)
 }
 
 /// Reads stiffness, and mass and damping where they are there. Degrees of freedom that the model holds are left out, and
@@ -97,13 +93,7 @@ pub fn parse(source: Source<'_>) -> Result<Assembled, Error> {
         }
     }
     let n = head.count(1);
-    plausible(n, 0, source.bytes.len()).map_err(|(stated, possible)| Error::Oversized {
-        file: source.name.into(),
-        place: reader.place(),
-        what: "the number of equations",
-        stated: stated as u128,
-        possible,
-    })?;
+    reader.check_size("the number of equations", n, source.bytes.len())?;
     let _kinds = reader.integers(Length::Any)?;
     let n_nodes = head.count(32);
     let nodes = reader.integers(Length::Exactly(n_nodes))?;
@@ -249,12 +239,12 @@ impl Reader<'_> {
         let start = self.at + 2 * WORD;
         let possible = (self.source.bytes.len() - start) / WORD;
         let words = usize::try_from(stated).ok().filter(|words| *words <= possible);
-        let words = words.ok_or_else(|| Error::Oversized {
-            file: self.source.name.into(),
-            place: self.place(),
-            what: "the number of words of a record",
-            stated: stated.unsigned_abs().into(),
-            possible,
+        let words = words.ok_or_else(|| {
+            self.oversized(
+                "the number of words of a record",
+                stated.unsigned_abs().into(),
+                possible,
+            )
         })?;
         let end = start + words * WORD;
         if self.word(end)? != stated {
@@ -264,15 +254,17 @@ impl Reader<'_> {
             return Err(self.unsupported("a packed record", "write the file without compression (/FCOMP,FULL,0)"));
         }
         // What a record in short form stands for must be known from elsewhere, or a few bytes could demand any memory.
-        let (contents, most) = (&self.source.bytes[start..end], words.max(BITS));
-        let found = match length {
-            _ if flags & (BY_BITS | BY_WINDOWS) == 0 => {
-                let (chunks, rest) = contents.as_chunks::<SIZE>();
-                rest.is_empty()
-                    .then(|| chunks.iter().map(|chunk| number(*chunk)).collect())
-            }
-            Length::Exactly(count) => expand(flags, contents, count, number),
-            Length::Any => expand(flags, contents, most, number),
+        let most = match length {
+            Length::Exactly(count) => count,
+            Length::Any => words.max(BITS),
+        };
+        let contents = &self.source.bytes[start..end];
+        let found = if flags & (BY_BITS | BY_WINDOWS) == 0 {
+            let (chunks, rest) = contents.as_chunks::<SIZE>();
+            rest.is_empty()
+                .then(|| chunks.iter().map(|chunk| number(*chunk)).collect())
+        } else {
+            expand(flags, contents, most, number)
         };
         let found: Vec<T> = found.ok_or_else(|| self.malformed("a record that breaks off", "all of its numbers"))?;
         match length {

@@ -1,7 +1,7 @@
 //! Matrices as Nastran's files have them: a head, then columns of strings of entries in rows that follow one another.
 
 use crate::Error;
-use crate::value::{Array, Dense};
+use crate::value::{Array, Dense, plausible};
 use file_io::Place;
 use sprs::CsMat;
 use std::ops::Range;
@@ -30,12 +30,7 @@ pub(crate) trait Position {
 
     /// From columns, rows, form and type.
     fn head(&self, [columns, rows, form, kind]: [i64; 4], name: &[u8]) -> Result<Header, Error> {
-        // Machines with words of 64 bits leave blanks inside.
-        let kept = name.iter().filter(|b| !matches!(b, b' ' | 0));
-        let name: String = kept.map(|b| char::from(*b)).collect();
-        if name.is_empty() || !name.chars().all(|c| c.is_ascii_graphic()) {
-            return Err(self.malformed(format!("the name `{}`", name.escape_debug()), "letters and digits"));
-        }
+        let name = self.checked_name(name)?;
         if matches!(kind, 3 | 4) {
             return Err(self.unsupported(format!("the complex matrix `{name}`"), "write its real part"));
         }
@@ -57,6 +52,15 @@ pub(crate) trait Position {
         })
     }
 
+    /// The name of a matrix or block.
+    fn checked_name(&self, words: &[u8]) -> Result<String, Error> {
+        let name = text_of(words);
+        match name.is_empty() || !name.chars().all(|c| c.is_ascii_graphic()) {
+            true => Err(self.malformed(format!("the name `{}`", name.escape_debug()), "letters and digits")),
+            false => Ok(name),
+        }
+    }
+
     fn malformed(&self, found: impl ToString, expected: impl ToString) -> Error {
         Error::Malformed {
             file: self.file().into(),
@@ -75,6 +79,21 @@ pub(crate) trait Position {
         }
     }
 
+    fn oversized(&self, what: &'static str, stated: u128, possible: usize) -> Error {
+        Error::Oversized {
+            file: self.file().into(),
+            place: self.place(),
+            what,
+            stated,
+            possible,
+        }
+    }
+
+    /// Refuses rows or columns of a file of so many bytes that [`plausible`] does.
+    fn check_size(&self, what: &'static str, size: usize, bytes: usize) -> Result<(), Error> {
+        plausible(size, 0, bytes).map_err(|(stated, possible)| self.oversized(what, stated as u128, possible))
+    }
+
     fn out_of_range(&self, what: &'static str, index: usize, last: usize) -> Error {
         Error::OutOfRange {
             file: self.file().into(),
@@ -85,6 +104,12 @@ pub(crate) trait Position {
             last,
         }
     }
+}
+
+/// Words as text; machines with words of 64 bits leave blanks inside.
+pub(crate) fn text_of(words: &[u8]) -> String {
+    let kept = words.iter().filter(|b| !matches!(b, b' ' | 0));
+    kept.map(|b| char::from(*b)).collect()
 }
 
 /// A matrix compressed by columns.

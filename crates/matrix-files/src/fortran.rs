@@ -62,13 +62,7 @@ impl<'a> Records<'a> {
         let length = self.length(self.at)?;
         let possible = self.source.bytes.len().saturating_sub(self.at + 8);
         if length > possible {
-            return Err(Error::Oversized {
-                file: self.source.name.into(),
-                place: self.place(),
-                what: "the number of bytes of a record",
-                stated: length as u128,
-                possible,
-            });
+            return Err(self.oversized("the number of bytes of a record", length as u128, possible));
         }
         let (start, end) = (self.at + 4, self.at + 4 + length);
         let repeated = self.length(end)?;

@@ -20,11 +20,7 @@ use file_io::{Source, quoted};
 /// # Errors
 /// [`Error::File`], and those of [`parse`].
 pub fn read(path: &Path) -> Result<Array, Error> {
-    let bytes = text::load(path)?;
-    parse(Source {
-        name: &path.to_string_lossy(),
-        bytes: &bytes,
-    })
+    text::read(path, parse)
 }
 
 /// Reads a matrix: [`Array::Sparse`] from coordinates, [`Array::Dense`] or [`Array::Integers`] from arrays.

@@ -12,14 +12,14 @@
 //! another may follow. Where all blocks are named `EXTDB`, and so are their matrices, the names are in the block `XSOP2DIR`
 //! ahead: `MATK`, `MATM` and so on.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 use std::path::Path;
 
-use crate::columns::{Columns, Position};
+use crate::columns::{Columns, Position, text_of};
 use crate::dmig::{self, FORMS, FORMS_TO_WRITE, Matrix, PointMatrices};
 use crate::fortran::Records;
 use crate::triplets::{Entry, Origin};
-use crate::value::{Array, Collection, Skipped, plausible};
+use crate::value::{Array, Collection, Skipped};
 use crate::{Error, writing};
 use file_io::{Place, Source};
 
@@ -44,11 +44,7 @@ pub struct Contents {
 /// # Errors
 /// [`Error::File`], and those of [`parse`].
 pub fn read(path: &Path) -> Result<Contents, Error> {
-    let bytes = crate::text::load(path)?;
-    parse(Source {
-        name: &path.to_string_lossy(),
-        bytes: &bytes,
-    })
+    crate::text::read(path, parse)
 }
 
 /// Reads all matrices, in either byte order, with words of 32 or 64 bits, in single and double precision. Matrices come
@@ -72,26 +68,23 @@ pub fn parse(source: Source<'_>) -> Result<Contents, Error> {
         source,
         records,
         stated: 0,
-        arrays: Collection::default(),
+        matrices: BTreeMap::new(),
+        skipped: Vec::new(),
         points: Vec::new(),
         directory: VecDeque::new(),
-        names: BTreeSet::new(),
-        twice: BTreeSet::new(),
     };
     reader.file()?;
-    let Reader {
-        mut arrays,
-        points,
-        twice,
-        ..
-    } = reader;
-    for name in twice {
-        arrays.arrays.remove(&name);
-        arrays.skipped.push(Skipped {
-            name,
-            reason: "several blocks have this name".into(),
-        });
+    let mut arrays = Collection::default();
+    for (name, matrix) in std::mem::take(&mut reader.matrices) {
+        match matrix {
+            Some(matrix) => {
+                arrays.arrays.insert(name, matrix);
+            }
+            None => reader.skip(name, "several blocks have this name"),
+        }
     }
+    arrays.skipped = reader.skipped;
+    let points = reader.points;
     let origin = Origin {
         file: source.name,
         place: Place::Byte,
@@ -105,13 +98,12 @@ struct Reader<'a> {
     records: Records<'a>,
     /// Rows or columns of all matrices so far.
     stated: usize,
-    arrays: Collection,
+    /// By the names of their blocks; none where several have one.
+    matrices: BTreeMap<String, Option<Array>>,
+    skipped: Vec<Skipped>,
     points: Vec<(String, Matrix)>,
     /// Names of the blocks that come next.
     directory: VecDeque<String>,
-    /// Names of blocks, and those given more than once.
-    names: BTreeSet<String>,
-    twice: BTreeSet<String>,
 }
 
 impl Reader<'_> {
@@ -157,8 +149,7 @@ impl Reader<'_> {
             }
             is_first = false;
             if is_open && name == DIRECTORY {
-                let listed = self.text(self.records.rest().len() / self.records.word)?;
-                self.directory.push_back(listed);
+                self.directory.push_back(text_of(self.records.rest()));
                 self.pass_over()?;
             } else if is_open {
                 has_points |= self.table(&name, is_listed)?;
@@ -180,13 +171,8 @@ impl Reader<'_> {
         let header = self.records.head([columns, rows, form, real], name.as_bytes())?;
         self.stated = self.stated.saturating_add(header.rows.max(header.columns));
         let bytes = self.source.bytes.len();
-        plausible(self.stated, 0, bytes).map_err(|(stated, possible)| Error::Oversized {
-            file: self.source.name.into(),
-            place: header.place.clone(),
-            what: "the number of rows or columns",
-            stated: stated as u128,
-            possible,
-        })?;
+        self.records
+            .check_size("the number of rows or columns", self.stated, bytes)?;
         let size = if header.is_double { 8 } else { self.records.word };
         let mut found = Columns::new(false);
         loop {
@@ -220,32 +206,23 @@ impl Reader<'_> {
         }
         found.is_sparse = found.has_gaps(header.rows);
         match found.array(&self.records, &header, self.records.at - start) {
-            Ok(array) => self.keep(name, array),
+            Ok(array) => {
+                let is_first = !self.matrices.contains_key(&name);
+                self.matrices.insert(name, is_first.then_some(array));
+            }
             Err(Error::Unsupported { found, .. }) => self.skip(name, &found),
             Err(error) => return Err(error),
         }
         Ok(())
     }
 
-    fn keep(&mut self, name: String, array: Array) {
-        if self.names.insert(name.clone()) {
-            self.arrays.arrays.insert(name, array);
-        } else {
-            self.twice.insert(name);
-        }
-    }
-
     fn skip(&mut self, name: String, reason: &str) {
-        let known = self
-            .arrays
-            .skipped
-            .iter()
-            .any(|known| known.name == name && known.reason == reason);
-        if !known {
-            self.arrays.skipped.push(Skipped {
-                name,
-                reason: reason.to_owned(),
-            });
+        let skipped = Skipped {
+            name,
+            reason: reason.to_owned(),
+        };
+        if !self.skipped.contains(&skipped) {
+            self.skipped.push(skipped);
         }
     }
 
@@ -283,7 +260,10 @@ impl Reader<'_> {
     /// A matrix of a table, which follows the words [`DMIG`] or another one.
     fn entries(&mut self, listed: Option<&str>) -> Result<(), Error> {
         let at = self.records.at;
-        let name = self.text(2)?;
+        let bytes = self.records.rest().get(..2 * self.records.word);
+        let bytes = bytes.ok_or_else(|| self.records.malformed("the end of the record", "the name of a matrix"))?;
+        let name = text_of(bytes);
+        self.records.at += bytes.len();
         let mut words = [0; 7];
         for word in &mut words {
             *word = self.word()?;
@@ -428,22 +408,10 @@ impl Reader<'_> {
 
     /// The record with the name of a block.
     fn name(&mut self) -> Result<String, Error> {
-        let length = self.records.begin()?;
-        let name = self.text(length / self.records.word)?;
+        self.records.begin()?;
+        let name = self.records.checked_name(self.records.rest())?;
+        self.records.at = self.records.end;
         self.records.finish()?;
-        if name.is_empty() || !name.chars().all(|c| c.is_ascii_graphic()) {
-            let found = format!("the name `{}` of a block", name.escape_debug());
-            return Err(self.records.malformed(found, "letters and digits"));
-        }
         Ok(name)
-    }
-
-    /// So many words as text; machines with words of 64 bits leave blanks inside.
-    fn text(&mut self, words: usize) -> Result<String, Error> {
-        let bytes = self.records.rest().get(..words * self.records.word);
-        let bytes = bytes.ok_or_else(|| self.records.malformed("the end of the record", "a name"))?;
-        self.records.at += bytes.len();
-        let kept = bytes.iter().filter(|b| !matches!(b, b' ' | 0));
-        Ok(kept.map(|b| char::from(*b)).collect())
     }
 }

@@ -11,6 +11,14 @@ pub(crate) fn load(path: &Path) -> Result<Vec<u8>, Error> {
     Ok(file_io::input::read(path, file_io::input::Kind::Matrices)?)
 }
 
+/// What `parse` makes of a file.
+pub(crate) fn read<T>(path: &Path, parse: impl FnOnce(Source<'_>) -> Result<T, Error>) -> Result<T, Error> {
+    parse(Source {
+        name: &path.to_string_lossy(),
+        bytes: &load(path)?,
+    })
+}
+
 /// A line without its end, with its number from one.
 #[derive(Clone, Copy)]
 pub(crate) struct Line<'a> {

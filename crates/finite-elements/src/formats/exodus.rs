@@ -79,8 +79,7 @@ static SOLIDS: [Solid; 7] = [
 
 /// The solids, blocks and sets of a file.
 pub(super) fn solid_mesh(file: &str, bytes: &[u8]) -> Result<SolidMesh, Error> {
-    // What is decoded at once may be as much larger than the file as text that is packed well.
-    let most = bytes.len().saturating_mul(64).saturating_add(1 << 20);
+    let most = most_numbers(bytes.len());
     let options = NcOpenOptions {
         max_read_bytes: most,
         max_chunk_bytes: most,
@@ -91,20 +90,19 @@ pub(super) fn solid_mesh(file: &str, bytes: &[u8]) -> Result<SolidMesh, Error> {
         problem: format!("it is no netCDF file: {reason}"),
         remedy: "save the mesh again as Exodus II",
     })?;
-    let reader = Reader {
-        file,
-        source,
-        most,
-        bytes: bytes.len(),
-    };
-    reader.read()
+    let bytes = bytes.len();
+    Reader { file, source, bytes }.read()
+}
+
+/// Most numbers that a variable may have in a file of so many bytes, and most bytes that are decoded at once: as much larger than
+/// the file as text that is packed well.
+fn most_numbers(bytes: usize) -> usize {
+    bytes.saturating_mul(64).saturating_add(1 << 20)
 }
 
 struct Reader<'a> {
     file: &'a str,
     source: NcFile,
-    /// Most numbers that a variable may have in a file of this size.
-    most: usize,
     /// Size of the file.
     bytes: usize,
 }
@@ -305,7 +303,9 @@ impl Reader<'_> {
     /// The size of a dimension, if the file has it.
     fn size(&self, dimension: &str) -> Result<Option<usize>, Error> {
         match self.source.dimension(dimension) {
-            Ok(found) if found.size > self.most as u64 => Err(self.fails(dimension, "it is larger than the file")),
+            Ok(found) if found.size > most_numbers(self.bytes) as u64 => {
+                Err(self.fails(dimension, "it is larger than the file"))
+            }
             Ok(found) => Ok(Some(found.size as usize)),
             Err(_) => Ok(None),
         }
@@ -317,7 +317,7 @@ impl Reader<'_> {
             return Ok(None);
         };
         match found.num_elements() {
-            Ok(count) if count <= self.most as u64 => {}
+            Ok(count) if count <= most_numbers(self.bytes) as u64 => {}
             _ => return Err(self.fails(variable, "it is larger than the file")),
         }
         let read = self.source.read_variable_as_f64(variable);

@@ -38,11 +38,7 @@ pub struct Recovery {
 /// # Errors
 /// [`Error::File`], and those of [`parse_substructure`].
 pub fn read_substructure(path: &Path) -> Result<Substructure, Error> {
-    let bytes = text::load(path)?;
-    parse_substructure(Source {
-        name: &path.to_string_lossy(),
-        bytes: &bytes,
-    })
+    text::read(path, parse_substructure)
 }
 
 /// Reads the matrices of one substructure.

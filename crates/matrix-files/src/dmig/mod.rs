@@ -55,11 +55,7 @@ pub struct PointMatrices {
 /// # Errors
 /// [`Error::File`], and those of [`parse`].
 pub fn read(path: &Path) -> Result<PointMatrices, Error> {
-    let bytes = text::load(path)?;
-    parse(Source {
-        name: &path.to_string_lossy(),
-        bytes: &bytes,
-    })
+    text::read(path, parse)
 }
 
 /// Reads all matrices by their names in capitals.

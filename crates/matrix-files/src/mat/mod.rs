@@ -25,11 +25,7 @@ use file_io::{Place, Source};
 /// # Errors
 /// [`Error::File`], and those of [`parse`].
 pub fn read(path: &Path) -> Result<Collection, Error> {
-    let bytes = text::load(path)?;
-    parse(Source {
-        name: &path.to_string_lossy(),
-        bytes: &bytes,
-    })
+    text::read(path, parse)
 }
 
 /// Reads all variables. Fields of structures are called `structure.field`.

@@ -18,7 +18,7 @@ use self::text::Text;
 pub use self::writer::to_bytes;
 use crate::Error;
 use crate::columns::{Columns, Header};
-use crate::value::{Collection, plausible};
+use crate::value::Collection;
 use file_io::Source;
 
 /// Rows from which on strings have two integers ahead, even if these are not stated as negative.
@@ -29,11 +29,7 @@ const BIG: usize = 65_536;
 /// # Errors
 /// [`Error::File`], and those of [`parse`].
 pub fn read(path: &Path) -> Result<Collection, Error> {
-    let bytes = crate::text::load(path)?;
-    parse(Source {
-        name: &path.to_string_lossy(),
-        bytes: &bytes,
-    })
+    crate::text::read(path, parse)
 }
 
 /// Reads all matrices by the names that they have in the file: text in any format of numbers, binary in either byte
@@ -61,13 +57,7 @@ fn collection(source: Source<'_>, mut stream: impl Stream) -> Result<Collection,
     while let Some(header) = stream.header()? {
         // All matrices together, as each may have rows or columns that take no room in the file.
         stated = stated.saturating_add(header.rows.max(header.columns));
-        plausible(stated, 0, source.bytes.len()).map_err(|(stated, possible)| Error::Oversized {
-            file: source.name.into(),
-            place: stream.place(),
-            what: "the number of rows or columns",
-            stated: stated as u128,
-            possible,
-        })?;
+        stream.check_size("the number of rows or columns", stated, source.bytes.len())?;
         if found.arrays.contains_key(&header.name) {
             return Err(stream.malformed(format!("a second `{}`", header.name), "each name once"));
         }
