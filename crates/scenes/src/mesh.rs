@@ -58,7 +58,7 @@ pub struct MeshInterface {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bottom: Option<String>,
     /// In their place the volumes of the top and of the bottom body, whose faces that touch are the interface. In names, `*` stands for any text: then there is an
-    /// interface for each pair of volumes that touch, without those of the entries before.
+    /// interface for each pair of volumes that touch, and that no entry before it is between.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub between: Option<[String; 2]>,
     /// How far apart along the normal faces may be that touch (length); by default a twentieth of the longest edge.
