@@ -95,7 +95,7 @@ impl Prepared {
         if let (SystemMatrix::Blocks(stiffness), SystemMatrix::Blocks(mass)) =
             (&softer.reduced.stiffness, &self.model.reduced.mass)
         {
-            softer.reduced.mass = SystemMatrix::Blocks(mass.over_bases(stiffness.bases()));
+            softer.reduced.mass = SystemMatrix::Blocks(mass.over_tree(stiffness.tree()));
         }
         let solver = Solver {
             model: &softer,

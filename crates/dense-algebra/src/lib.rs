@@ -6,6 +6,7 @@
 //! And eigenproblems are brought to unit size, because the library's divide-and-conquer step
 //! deflates with an absolute tolerance (a matrix of size 1e12 lost four digits to it, one of size 1e-5 five).
 
+mod bases;
 mod blocks;
 mod fingerprint;
 mod krylov;
@@ -16,8 +17,10 @@ mod residuals;
 mod subspace;
 mod system_matrix;
 mod tiles;
+mod tree;
 
-pub use blocks::{BlockInverse, BlockMatrix, leading_basis};
+pub use bases::leading_basis;
+pub use blocks::BlockMatrix;
 pub use fingerprint::arithmetic_fingerprint;
 pub use krylov::Krylov;
 pub use limits::Limits;
@@ -26,6 +29,7 @@ pub use reflected::{ReflectedInverse, Reflection};
 pub use residuals::{ConjugateResiduals, Inner, Vector};
 pub use subspace::lowest_pairs;
 pub use system_matrix::{Factor, Inverse, Packed, SystemMatrix, SystemMatrixRef};
+pub use tree::{Node, Tree};
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};

@@ -62,6 +62,50 @@ impl Symmetric {
         self.size
     }
 
+    /// All entries.
+    pub fn to_dense(&self) -> Mat<f64> {
+        let size = self.size;
+        let mut whole = Mat::zeros(size, size);
+        let mut entries = self.entries.iter();
+        let mut next = || entries.next().copied().unwrap_or_default();
+        for start in (0..size).step_by(WIDTH) {
+            let end = size.min(start + WIDTH);
+            for j in start..end {
+                (start..end).for_each(|i| whole[(i, j)] = next());
+            }
+            for j in start..end {
+                for i in end..size {
+                    let value = next();
+                    (whole[(i, j)], whole[(j, i)]) = (value, value);
+                }
+            }
+        }
+        whole
+    }
+
+    /// This matrix and a factor times another one.
+    ///
+    /// # Panics
+    /// If their sizes differ.
+    #[must_use]
+    pub fn plus(&self, factor: f64, other: &Self) -> Self {
+        assert_eq!(self.size, other.size);
+        let entries = self.entries.iter().zip(&other.entries);
+        Self {
+            size: self.size,
+            entries: entries.map(|(a, b)| a + factor * b).collect(),
+        }
+    }
+
+    /// A factor times the matrix.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            size: self.size,
+            entries: self.entries.iter().map(|a| factor * a).collect(),
+        }
+    }
+
     /// Memory of the entries, which a product reads once.
     pub fn bytes(&self) -> usize {
         size_of_val(self.entries.as_slice())

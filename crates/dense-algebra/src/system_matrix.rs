@@ -1,10 +1,9 @@
 //! Stiffness or mass of a reduced structure: dense, or blocks with a coupling of low rank.
 
-use crate::blocks::{BlockInverse, BlockMatrix};
+use crate::blocks::BlockMatrix;
 use crate::{Error, Krylov, Symmetric, cholesky_in_place, lowest_pairs, product};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
-use rayon::prelude::*;
 
 /// Most vectors of all steps.
 const MOST_VECTORS: usize = 600;
@@ -178,17 +177,14 @@ impl<'a> SystemMatrixRef<'a> {
     /// # Panics
     /// If the lengths do not fit.
     pub fn multiply(self, x: &[f64], y: &mut [f64]) {
-        let x = MatRef::from_column_major_slice(x, x.len(), 1);
         match self {
             Self::Dense(matrix) => {
+                let x = MatRef::from_column_major_slice(x, x.len(), 1);
                 let rows = y.len();
                 let y = MatMut::from_column_major_slice_mut(y, rows, 1);
                 matmul(y, Accum::Replace, matrix, x, 1.0, Par::Seq);
             }
-            Self::Blocks(matrix) => {
-                let found = matrix.product(x);
-                y.iter_mut().zip(found.col_as_slice(0)).for_each(|(y, f)| *y = *f);
-            }
+            Self::Blocks(matrix) => matrix.product_into(x, y),
         }
     }
 
@@ -221,7 +217,7 @@ impl Packed<'_> {
     pub fn product_into(&self, x: &[f64], y: &mut [f64]) {
         match self {
             Self::Whole(matrix) => matrix.product_into(x, y),
-            Self::Blocks(matrix) => SystemMatrixRef::Blocks(matrix).multiply(x, y),
+            Self::Blocks(matrix) => matrix.product_into(x, y),
         }
     }
 }
@@ -232,7 +228,7 @@ pub enum Factor {
     /// The lower Cholesky factor.
     Whole(Mat<f64>),
     /// The inverse of blocks.
-    Blocks(BlockInverse),
+    Blocks(BlockMatrix),
 }
 
 /// The inverse of a positive definite [`SystemMatrix`], for products.
@@ -241,7 +237,7 @@ pub enum Inverse {
     /// Of all entries.
     Whole(Symmetric),
     /// Of blocks.
-    Blocks(BlockInverse),
+    Blocks(BlockMatrix),
 }
 
 impl Factor {
@@ -298,25 +294,17 @@ impl Inverse {
 /// The `count` lowest eigenpairs of `a y = lambda m y` with the `inverse` of `a` and a positive semi-definite `m`, with `y^T m y = 1`, by block Lanczos
 /// steps with `a^-1 m` in the inner product of `m`: with blocks a product is most of the work, and each adds to all pairs.
 fn lowest_pairs_of_inverse(
-    inverse: &BlockInverse,
+    inverse: &BlockMatrix,
     m: SystemMatrixRef<'_>,
     count: usize,
 ) -> Result<(Vec<f64>, Mat<f64>), Error> {
     let size = m.size();
-    let images = |momenta: &Mat<f64>| {
-        let columns: Vec<Vec<f64>> = (0..momenta.ncols())
-            .into_par_iter()
-            .map(|j| {
-                let mut motion = vec![0.0; size];
-                inverse.product_into(momenta.col_as_slice(j), &mut motion);
-                motion
-            })
-            .collect();
-        Mat::from_fn(size, columns.len(), |i, j| columns[j][i])
-    };
     let multiply = |x: MatRef<'_, f64>, mut y: MatMut<'_, f64>| y.copy_from(m.product(x));
     let mut krylov = Krylov::new(size, MOST_VECTORS.min(size));
-    let mut block = images(&m.product(crate::scattered(size, Krylov::WIDTH.min(size)).as_ref()));
+    let mut block = inverse.product(
+        m.product(crate::scattered(size, Krylov::WIDTH.min(size)).as_ref())
+            .as_ref(),
+    );
     loop {
         let momenta = krylov.append(&multiply, block);
         let width = momenta.ncols();
@@ -326,7 +314,7 @@ fn lowest_pairs_of_inverse(
         if krylov.size() >= MOST_VECTORS {
             return Err(Error::NoConvergence { size });
         }
-        block = images(&momenta);
+        block = inverse.product(momenta.as_ref());
         krylov.follow(width);
     }
     let (values, shapes) = krylov.ritz_pairs(count)?;

@@ -1,6 +1,9 @@
 //! Block matrices against the dense ones that they stand for.
 
-use dense_algebra::{BlockMatrix, SystemMatrix, SystemMatrixRef, leading_basis, product, scattered, symmetric_pair};
+use dense_algebra::{
+    BlockMatrix, Node, Symmetric, SystemMatrix, SystemMatrixRef, Tree, leading_basis, product, scattered,
+    symmetric_pair,
+};
 use faer::Mat;
 use std::sync::Arc;
 
@@ -14,27 +17,45 @@ fn columns(size: usize, count: usize, from: usize) -> Mat<f64> {
     all.subcols(from, count).to_owned()
 }
 
-/// Two matrices over groups of 7, 12 and 5 coordinates and 3 behind them, with the same bases: a stiffness and a mass in the scale of a structure.
-fn pair() -> [BlockMatrix; 2] {
-    let sizes = [7, 12, 5];
-    let bases: Vec<Mat<f64>> = sizes.iter().map(|&n| leading_basis(columns(n, 3, n), 1e-10)).collect();
-    let bases = Arc::new(bases);
+/// Two matrices over groups of 7, 12 and 5 coordinates and 3 behind them, with the same tree: a stiffness and a mass in the scale of a structure.
+///
+/// Three combinations of each group are seen; of two of them, or of one, two nodes one above the other show four and five.
+fn pair(is_nested: bool) -> [BlockMatrix; 2] {
+    let node = |children: &[usize], n: usize, rank: usize| Node {
+        children: children.to_vec(),
+        basis: leading_basis(columns(n, rank, n), 1e-10),
+    };
+    let mut nodes = vec![node(&[], 7, 3), node(&[], 12, 3), node(&[], 5, 3)];
+    if is_nested {
+        nodes.extend([node(&[2, 0], 6, 4), node(&[1, 3], 7, 5)]);
+    }
+    let sizes: Vec<usize> = nodes.iter().map(|node| node.basis.nrows()).collect();
+    let tree = Arc::new(Tree::new(nodes));
     let positive = |n: usize, from: usize| {
         let a = columns(n, n, from);
         product(a.as_ref(), a.transpose()) + Mat::<f64>::identity(n, n)
     };
     [(1e9, -0.02), (1e-3, 0.02)].map(|(scale, sign)| {
-        let local = sizes.iter().map(|&n| positive(n, 3) * faer::Scale(scale)).collect();
-        let rest = vec![2.0 * scale, 3.0 * scale, 5.0 * scale];
         // A coupling that leaves the whole positive.
-        let core = positive(12, 20) * faer::Scale(sign * scale);
-        BlockMatrix::new(bases.clone(), Arc::new(local), rest, core)
+        let of = |(at, &n): (usize, &usize)| {
+            let factor = if at < 3 { scale } else { sign * scale };
+            Arc::new(Symmetric::from_lower((positive(n, 3) * faer::Scale(factor)).as_ref()))
+        };
+        let local = sizes.iter().enumerate().map(of).collect();
+        let rest = vec![2.0 * scale, 3.0 * scale, 5.0 * scale];
+        let core = positive(tree.rank() + 3, 20) * faer::Scale(sign * scale);
+        BlockMatrix::new(tree.clone(), local, rest, core)
     })
+}
+
+/// With groups alone, and with nodes above them.
+fn pairs() -> [[BlockMatrix; 2]; 2] {
+    [false, true].map(pair)
 }
 
 #[test]
 fn products_diagonals_and_inverses_are_those_of_the_dense_matrix() {
-    for blocks in pair() {
+    for blocks in pairs().into_iter().flatten() {
         let dense = blocks.to_dense();
         let n = blocks.size();
         assert_eq!(dense.shape(), (n, n));
@@ -63,10 +84,13 @@ fn products_diagonals_and_inverses_are_those_of_the_dense_matrix() {
 }
 
 #[test]
-fn sums_scales_and_other_bases_are_those_of_the_dense_matrix() {
-    let [stiffness, mass] = pair();
+fn sums_scales_and_other_combinations_are_those_of_the_dense_matrix() {
+    pairs().iter().for_each(sums_scales_and_other_combinations);
+}
+
+fn sums_scales_and_other_combinations([stiffness, mass]: &[BlockMatrix; 2]) {
     let (k, m) = (stiffness.to_dense(), mass.to_dense());
-    assert!(difference(&stiffness.plus(1e11, &mass).to_dense(), &(&k + &m * faer::Scale(1e11))) < 1e-14);
+    assert!(difference(&stiffness.plus(1e11, mass).to_dense(), &(&k + &m * faer::Scale(1e11))) < 1e-14);
     assert!(difference(&stiffness.scaled(0.3).to_dense(), &(&k * faer::Scale(0.3))) < 1e-15);
     let n = stiffness.size();
     let u = columns(n, 2, 30);
@@ -74,11 +98,10 @@ fn sums_scales_and_other_bases_are_those_of_the_dense_matrix() {
     let added = SystemMatrix::Blocks(stiffness.clone()).plus_outer(&given);
     let dense = SystemMatrix::Dense(k.clone()).plus_outer(&given);
     assert!(difference(&added.as_ref().to_dense(), &dense.into_dense()) < 1e-13);
-    let bases = stiffness.extended_bases(u.as_ref(), 1e-12);
-    let wider = stiffness.over_bases(&bases);
+    let wider = stiffness.over_tree(&stiffness.extended_tree(u.as_ref(), 1e-12));
     assert!(wider.rank() > stiffness.rank());
     assert!(difference(&wider.to_dense(), &k) < 1e-15);
-    // What acts on the coordinates in the space of the bases is seen by the core.
+    // What acts on the coordinates in the space of the combinations is seen by the core.
     let seen = wider.onto_core(u.as_ref());
     let back = wider.from_core(seen.subrows(0, wider.rank()));
     assert!(difference(&back, &u.subrows(0, back.nrows()).to_owned()) < 1e-13);
@@ -89,7 +112,6 @@ fn sums_scales_and_other_bases_are_those_of_the_dense_matrix() {
 
 #[test]
 fn pairs_are_those_of_the_dense_matrices_also_where_they_are_equal() {
-    let [stiffness, mass] = pair();
     let check = |stiffness: &BlockMatrix, mass: &BlockMatrix, count: usize| {
         let (k, m) = (stiffness.to_dense(), mass.to_dense());
         let (expected, _) = symmetric_pair(k.as_ref(), m.as_ref()).unwrap();
@@ -109,15 +131,46 @@ fn pairs_are_those_of_the_dense_matrices_also_where_they_are_equal() {
             assert!(residual.norm_l2() < 1e-6 * left.col(j).norm_l2());
         }
     };
-    for count in [1, 6, 20] {
-        check(&stiffness, &mass, count);
+    for [stiffness, mass] in &pairs() {
+        for count in [1, 6, 20] {
+            check(stiffness, mass, count);
+        }
     }
     // Equal groups that nothing couples: each pair occurs five times.
-    let bases = Arc::new(vec![Mat::<f64>::zeros(6, 0); 5]);
+    let node = Node {
+        children: Vec::new(),
+        basis: Mat::zeros(6, 0),
+    };
+    let tree = Arc::new(Tree::try_new(vec![node; 5]).unwrap());
     let a = columns(6, 6, 2);
     let local = product(a.as_ref(), a.transpose()) + Mat::<f64>::identity(6, 6);
-    let of = |block: Mat<f64>| BlockMatrix::new(bases.clone(), Arc::new(vec![block; 5]), Vec::new(), Mat::new());
+    let of = |block: Mat<f64>| {
+        let block = Arc::new(Symmetric::from_lower(block.as_ref()));
+        BlockMatrix::new(tree.clone(), vec![block; 5], Vec::new(), Mat::new())
+    };
     check(&of(local), &of(Mat::identity(6, 6)), 12);
+}
+
+#[test]
+fn what_is_no_tree_is_none() {
+    let node = |children: &[usize], rows: usize, columns: usize| Node {
+        children: children.to_vec(),
+        basis: Mat::zeros(rows, columns),
+    };
+    let with = |above: &[Node]| Tree::try_new([&[node(&[], 4, 2), node(&[], 3, 1)], above].concat());
+    let tree = with(&[node(&[1, 0], 3, 2)]).unwrap();
+    assert_eq!((tree.n_groups(), tree.n_coordinates(), tree.rank()), (2, 7, 2));
+    assert_eq!(with(&[node(&[0], 2, 1)]).unwrap().rank(), 2);
+    for wrong in [
+        vec![node(&[1, 0], 4, 2)],
+        vec![node(&[1, 1], 2, 2)],
+        vec![node(&[0], 2, 1), node(&[0], 2, 1)],
+        vec![node(&[2], 1, 1)],
+        vec![node(&[9], 1, 1)],
+        vec![node(&[0], 2, 1), node(&[], 5, 1)],
+    ] {
+        assert_eq!(with(&wrong), None, "{wrong:?}");
+    }
 }
 
 #[test]

@@ -2,16 +2,28 @@
 //!
 //! Once all that touches a group `g` is eliminated, the rest of the elimination sees the group through the coupling `E` of its rows to those still to come,
 //! in stiffness and mass. With an orthonormal basis `B` of the space of the rows of both, `E = E B B^T` up to a tolerance, and what comes later adds
-//! `B X B^T` to the group, or `B X B_h^T` to it and another one: `B^T` times the rows is carried on in the place of the group.
+//! `B X B^T` to the group, or `B X B_h^T` to it and another one: `B^T` times the rows is carried on in the place of the group. Where branches of the
+//! elimination meet, what they carry is united in a node of a tree, of which fewer combinations are carried on in the same way.
 
 use crate::ordering::Dissection;
-use dense_algebra::{BlockMatrix, SystemMatrix, leading_basis, product, symmetric};
+use dense_algebra::{BlockMatrix, Node, Symmetric, SystemMatrix, Tree, leading_basis, product, symmetric};
 use faer::Mat;
 use sprs::CsMat;
+use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Combinations of a group that are expected to be carried on, for an estimate of memory.
 const EXPECTED_RANK: usize = 128;
+
+/// Those of all groups behind a part that are expected to be carried on.
+const EXPECTED_OF_ALL: usize = 4 * EXPECTED_RANK;
+
+/// Tolerance of what is seen of several nodes, relative to that of a group: what is left out there of one level after another adds up.
+const OF_NODES: f64 = 0.1;
+
+/// Largest part of the combinations of nodes that is seen of all of them, where it pays to unite them.
+const WORTH_UNITING: f64 = 0.75;
 
 /// Combinations of a group that are carried on without another look at whether fewer would do.
 const FEW: usize = 64;
@@ -104,17 +116,30 @@ pub(crate) struct Grouping {
     complete: Vec<usize>,
 }
 
-/// A group of which combinations are carried on.
+/// A group, or what is carried on of several nodes, of which combinations are carried on.
 pub(crate) struct Completed {
-    group: usize,
-    /// Position that stands for the first of them.
+    /// What its rows are.
+    of: Rows,
+    /// Position that stands for the first combination.
     first: usize,
-    /// Its rows that something touches.
-    rows: Vec<usize>,
     /// A column per combination.
     basis: Mat<f64>,
-    /// What the eliminated parts leave on these rows, one matrix for the stiffness and one for the mass.
+    /// What the eliminated parts leave on its rows, one matrix for the stiffness and one for the mass.
     own: Vec<Mat<f64>>,
+}
+
+enum Rows {
+    /// Those of this group that something touches.
+    Group(usize, Vec<usize>),
+    /// The combinations of these nodes, one after the other.
+    United(Vec<Completed>),
+}
+
+impl Completed {
+    /// Positions that stand for its combinations.
+    fn positions(&self) -> Range<usize> {
+        self.first..self.first + self.basis.ncols()
+    }
 }
 
 impl Grouping {
@@ -171,7 +196,8 @@ impl Grouping {
     /// The position that stands for combination `index` of those that a part completes: after all rows, and after those of earlier parts.
     fn combination(&self, part: usize, index: usize) -> usize {
         let n = self.starts[self.starts.len() - 1];
-        self.first + n + part * n + index
+        // As many as there are rows in groups, and again in nodes.
+        self.first + n + 2 * part * n + index
     }
 
     fn is_combination(&self, position: usize) -> bool {
@@ -190,11 +216,14 @@ impl Grouping {
         for &position in &beyond[kept..] {
             counts[self.group(position)] += 1;
         }
-        let of_group = |(group, count): (usize, usize)| match self.complete[group] < part {
-            true => count.min(EXPECTED_RANK),
-            false => count,
-        };
-        kept + counts.into_iter().enumerate().map(of_group).sum::<usize>()
+        let (mut touched, mut carried) = (0, 0);
+        for (group, count) in counts.into_iter().enumerate() {
+            match self.complete[group] < part {
+                true => carried += count.min(EXPECTED_RANK),
+                false => touched += count,
+            }
+        }
+        kept + touched + carried.min(EXPECTED_OF_ALL)
     }
 
     /// Puts the combinations that the children of a part carry on in the place of the groups among `beyond`, the rows that the part touches by itself or
@@ -206,8 +235,9 @@ impl Grouping {
         beyond.sort_unstable();
     }
 
-    /// Carries combinations alone on of groups that nothing after this part touches, and fewer of those carried on already, where branches have met and at
-    /// the last part: what lay between two groups is eliminated then. `matrices` are lower triangles over the positions `beyond`.
+    /// Carries combinations alone on of groups that nothing after this part touches, and fewer of what is carried on already, where branches have met and at
+    /// the last part: what lay between two groups is eliminated then. Where branches have met they are united. `matrices` are lower triangles over the
+    /// positions `beyond`.
     pub(crate) fn complete(
         &self,
         part: usize,
@@ -218,132 +248,202 @@ impl Grouping {
     ) {
         let is_last = beyond.iter().all(|&position| position >= self.first);
         let mut index = 0;
-        for group in 0..self.complete.len() {
-            let known = done.iter().position(|completed| completed.group == group);
-            let is_own = |position: usize| match known.map(|at| &done[at]) {
-                None => position >= self.first && !self.is_combination(position) && self.group(position) == group,
-                Some(known) => (known.first..known.first + known.basis.ncols()).contains(&position),
-            };
-            let is_due = match known {
-                None => self.complete[group] == part,
-                Some(at) => is_last || (n_branches > 1 && done[at].basis.ncols() > FEW),
-            };
-            if !is_due {
+        for node in done.iter_mut() {
+            if !(is_last || (n_branches > 1 && node.basis.ncols() > FEW)) {
                 continue;
             }
-            let (own, others): (Vec<usize>, Vec<usize>) = (0..beyond.len()).partition(|&at| is_own(beyond[at]));
-            let entry = |matrix: &Mat<f64>, i: usize, j: usize| matrix[(i.max(j), i.min(j))];
-            let mut coupling = Mat::<f64>::zeros(own.len(), matrices.len() * others.len());
-            for (which, matrix) in matrices.iter().enumerate() {
-                let mut across = Mat::from_fn(own.len(), others.len(), |i, j| entry(matrix, own[i], others[j]));
-                let longest = across.col_iter().map(|column| column.norm_l2()).fold(0.0, f64::max);
-                // Stiffness and mass count alike.
-                if longest > 0.0 {
-                    across *= faer::Scale(longest.recip());
-                }
-                coupling
-                    .subcols_mut(which * others.len(), others.len())
-                    .copy_from(across);
+            let (own, others) = split(beyond, |position| node.positions().contains(&position));
+            let basis = seen(matrices, &own, &others, self.tolerance);
+            let local = self.carry_on(part, &mut index, &basis, beyond, matrices, (&own, &others));
+            for (sum, local) in node.own.iter_mut().zip(local) {
+                let half = product(node.basis.as_ref(), local.as_ref());
+                *sum += symmetric(product(half.as_ref(), node.basis.transpose()).as_ref());
             }
-            let basis = leading_basis(coupling, self.tolerance);
-            let rank = basis.ncols();
-            let mut local = Vec::with_capacity(matrices.len());
-            for matrix in matrices.iter_mut() {
-                local.push(Mat::from_fn(own.len(), own.len(), |i, j| entry(matrix, own[i], own[j])));
-                let across = Mat::from_fn(own.len(), others.len(), |i, j| entry(matrix, own[i], others[j]));
-                let across = product(basis.transpose(), across.as_ref());
-                let n = others.len();
-                let mut left = Mat::zeros(n + rank, n + rank);
-                for j in 0..n {
-                    for i in j..n {
-                        left[(i, j)] = matrix[(others[i], others[j])];
-                    }
-                }
-                left.submatrix_mut(n, 0, rank, n).copy_from(across);
-                *matrix = left;
-            }
-            let first = self.combination(part, index);
-            match known.map(|at| &mut done[at]) {
-                None => done.push(Completed {
-                    group,
-                    first,
-                    rows: (own.iter())
-                        .map(|&at| beyond[at] - self.first - self.starts[group])
-                        .collect(),
-                    basis,
-                    own: local,
-                }),
-                Some(known) => {
-                    for (sum, local) in known.own.iter_mut().zip(local) {
-                        let half = product(known.basis.as_ref(), local.as_ref());
-                        *sum += symmetric(product(half.as_ref(), known.basis.transpose()).as_ref());
-                    }
-                    known.basis = product(known.basis.as_ref(), basis.as_ref());
-                    known.first = first;
-                }
-            }
-            *beyond = others.iter().map(|&at| beyond[at]).collect();
-            beyond.extend((index..index + rank).map(|index| self.combination(part, index)));
-            index += rank;
+            node.basis = product(node.basis.as_ref(), basis.as_ref());
+            node.first = self.combination(part, index - basis.ncols());
         }
+        for group in (0..self.complete.len()).filter(|&group| self.complete[group] == part) {
+            let is_own =
+                |position| position >= self.first && !self.is_combination(position) && self.group(position) == group;
+            let (own, others) = split(beyond, is_own);
+            let row = |&at: &usize| beyond[at] - self.first - self.starts[group];
+            let rows = own.iter().map(row).collect();
+            let basis = seen(matrices, &own, &others, self.tolerance);
+            let local = self.carry_on(part, &mut index, &basis, beyond, matrices, (&own, &others));
+            done.push(Completed {
+                of: Rows::Group(group, rows),
+                first: self.combination(part, index - basis.ncols()),
+                basis,
+                own: local,
+            });
+        }
+        if n_branches < 2 || is_last {
+            return;
+        }
+        let (own, others) = split(beyond, |position| self.is_combination(position));
+        let basis = seen(matrices, &own, &others, OF_NODES * self.tolerance);
+        if basis.ncols() as f64 > WORTH_UNITING * own.len() as f64 {
+            return;
+        }
+        // In the order of their combinations.
+        done.sort_by_key(|node| node.first);
+        let local = self.carry_on(part, &mut index, &basis, beyond, matrices, (&own, &others));
+        let united = std::mem::take(done);
+        done.push(Completed {
+            of: Rows::United(united),
+            first: self.combination(part, index - basis.ncols()),
+            basis,
+            own: local,
+        });
+    }
+
+    /// Puts the combinations of a basis in the place of its `own` positions, behind the `others`; gives what is left on the own ones.
+    fn carry_on(
+        &self,
+        part: usize,
+        index: &mut usize,
+        basis: &Mat<f64>,
+        beyond: &mut Vec<usize>,
+        matrices: &mut [Mat<f64>],
+        (own, others): (&[usize], &[usize]),
+    ) -> Vec<Mat<f64>> {
+        let (n, rank) = (others.len(), basis.ncols());
+        let mut local = Vec::with_capacity(matrices.len());
+        for matrix in matrices.iter_mut() {
+            local.push(Mat::from_fn(own.len(), own.len(), |i, j| entry(matrix, own[i], own[j])));
+            let across = Mat::from_fn(own.len(), n, |i, j| entry(matrix, own[i], others[j]));
+            let across = product(basis.transpose(), across.as_ref());
+            let mut left = Mat::zeros(n + rank, n + rank);
+            for j in 0..n {
+                for i in j..n {
+                    left[(i, j)] = matrix[(others[i], others[j])];
+                }
+            }
+            left.submatrix_mut(n, 0, rank, n).copy_from(across);
+            *matrix = left;
+        }
+        *beyond = others.iter().map(|&at| beyond[at]).collect();
+        beyond.extend((*index..*index + rank).map(|index| self.combination(part, index)));
+        *index += rank;
+        local
     }
 }
 
-/// Stiffness and mass over all groups, from what is left of each, from lower triangles `left` over all combinations, in the order in which the groups were
-/// completed, and from the entries among kept rows, of which the upper triangle is `given` for each matrix.
+/// An orthonormal basis of what the `others` see of positions in stiffness and mass, up to a tolerance.
+fn seen(matrices: &[Mat<f64>], own: &[usize], others: &[usize], tolerance: f64) -> Mat<f64> {
+    let mut coupling = Mat::<f64>::zeros(own.len(), matrices.len() * others.len());
+    for (which, matrix) in matrices.iter().enumerate() {
+        let mut across = Mat::from_fn(own.len(), others.len(), |i, j| entry(matrix, own[i], others[j]));
+        let longest = across.col_iter().map(|column| column.norm_l2()).fold(0.0, f64::max);
+        // Stiffness and mass count alike.
+        if longest > 0.0 {
+            across *= faer::Scale(longest.recip());
+        }
+        coupling
+            .subcols_mut(which * others.len(), others.len())
+            .copy_from(across);
+    }
+    leading_basis(coupling, tolerance)
+}
+
+/// Of a lower triangle.
+fn entry(matrix: &Mat<f64>, i: usize, j: usize) -> f64 {
+    matrix[(i.max(j), i.min(j))]
+}
+
+/// Places of the positions for which something holds, and of all others.
+fn split(beyond: &[usize], is_own: impl Fn(usize) -> bool) -> (Vec<usize>, Vec<usize>) {
+    (0..beyond.len()).partition(|&at| is_own(beyond[at]))
+}
+
+/// Stiffness and mass over all groups, from what is left of each, from lower triangles `left` over the combinations that are carried on to the end, and from
+/// the entries among kept rows, of which the upper triangle is `given` for each matrix.
 pub(crate) fn joined(
     grouping: &Grouping,
-    done: Vec<Completed>,
+    mut done: Vec<Completed>,
     left: &[Mat<f64>],
     given: impl Fn(usize) -> Vec<(usize, usize, f64)>,
 ) -> [SystemMatrix; 2] {
     let n_groups = grouping.complete.len();
     let size = |group: usize| grouping.starts[group + 1] - grouping.starts[group];
-    // Columns of what is left, group by group.
-    let mut order: Vec<usize> = (0..done.len()).collect();
-    order.sort_by_key(|&at| done[at].first);
-    let mut columns = vec![0..0; n_groups];
-    let mut column = 0;
-    for &at in &order {
-        let rank = done[at].basis.ncols();
-        columns[done[at].group] = column..column + rank;
-        column += rank;
+    done.sort_by_key(|node| node.first);
+    // Groups first, in their order.
+    let untouched = |group: usize| Node {
+        children: Vec::new(),
+        basis: Mat::zeros(size(group), 0),
+    };
+    let mut found = Joined {
+        nodes: (0..n_groups).map(untouched).collect(),
+        local: [0, 1].map(|_| {
+            (0..n_groups)
+                .map(|group| Mat::zeros(size(group), size(group)))
+                .collect()
+        }),
+    };
+    // What is left of each of the last nodes, by its number.
+    let (mut columns, mut column) = (BTreeMap::new(), 0);
+    for last in done {
+        let own = column..column + last.basis.ncols();
+        column = own.end;
+        columns.insert(found.put(last), own);
     }
-    let mut bases: Vec<Mat<f64>> = (0..n_groups).map(|group| Mat::zeros(size(group), 0)).collect();
-    for completed in &done {
-        let (n, rank) = (size(completed.group), completed.basis.ncols());
-        let mut basis = Mat::zeros(n, rank);
-        for (i, &row) in completed.rows.iter().enumerate() {
-            basis.row_mut(row).copy_from(completed.basis.row(i));
-        }
-        bases[completed.group] = basis;
-    }
-    let bases = Arc::new(bases);
-    let places: Vec<usize> = columns.iter().cloned().flatten().collect();
+    let places: Vec<usize> = columns.into_values().flatten().collect();
+    let tree = Arc::new(Tree::new(found.nodes));
+    let mut local = found.local.into_iter();
     [0, 1].map(|which| {
-        let mut local: Vec<Mat<f64>> = (0..n_groups)
-            .map(|group| Mat::zeros(size(group), size(group)))
-            .collect();
-        for completed in &done {
-            let (block, own) = (&mut local[completed.group], &completed.own[which]);
-            for (j, &column) in completed.rows.iter().enumerate() {
-                for (i, &row) in completed.rows.iter().enumerate() {
-                    block[(row, column)] = own[(i, j)];
-                }
-            }
-        }
+        let mut local = local.next().unwrap_or_default();
         for (row, column, value) in given(which) {
             let group = grouping.group(grouping.first + row);
             let (row, column) = (row - grouping.starts[group], column - grouping.starts[group]);
-            local[group][(row, column)] += value;
-            if row != column {
-                local[group][(column, row)] += value;
+            // The lower triangle is read.
+            local[group][(column, row)] += value;
+        }
+        let pack = |block: Mat<f64>| Arc::new(Symmetric::from_lower(block.as_ref()));
+        let local = local.into_iter().map(pack).collect();
+        let core = Mat::from_fn(places.len(), places.len(), |i, j| {
+            entry(&left[which], places[i], places[j])
+        });
+        SystemMatrix::Blocks(BlockMatrix::new(tree.clone(), local, Vec::new(), core))
+    })
+}
+
+/// The nodes of a tree and the matrices of each.
+struct Joined {
+    nodes: Vec<Node>,
+    local: [Vec<Mat<f64>>; 2],
+}
+
+impl Joined {
+    /// Puts a node and all that it unites; gives its number.
+    fn put(&mut self, completed: Completed) -> usize {
+        match completed.of {
+            Rows::Group(group, rows) => {
+                let size = self.nodes[group].basis.nrows();
+                let mut basis = Mat::zeros(size, completed.basis.ncols());
+                for (row, &to) in completed.basis.row_iter().zip(&rows) {
+                    basis.row_mut(to).copy_from(row);
+                }
+                self.nodes[group].basis = basis;
+                for (local, own) in self.local.iter_mut().zip(&completed.own) {
+                    for (j, &column) in rows.iter().enumerate() {
+                        for (i, &row) in rows.iter().enumerate() {
+                            local[group][(row, column)] = own[(i, j)];
+                        }
+                    }
+                }
+                group
+            }
+            Rows::United(nodes) => {
+                let children = nodes.into_iter().map(|node| self.put(node)).collect();
+                self.nodes.push(Node {
+                    children,
+                    basis: completed.basis,
+                });
+                for (local, own) in self.local.iter_mut().zip(completed.own) {
+                    local.push(own);
+                }
+                self.nodes.len() - 1
             }
         }
-        let left = &left[which];
-        let core = Mat::from_fn(places.len(), places.len(), |i, j| {
-            left[(places[i].max(places[j]), places[i].min(places[j]))]
-        });
-        SystemMatrix::Blocks(BlockMatrix::new(bases.clone(), Arc::new(local), Vec::new(), core))
-    })
+    }
 }

@@ -180,7 +180,7 @@ impl ReducedModel {
             SystemMatrix::Dense(a) => Mat::from_fn(kept.len(), kept.len(), |i, j| a[(kept[i], kept[j])]).into(),
             SystemMatrix::Blocks(a) => {
                 let seen = a.seen();
-                // What lies behind the jump, behind the columns of the bases.
+                // What lies behind the jump, behind the combinations.
                 let shift = |i: usize| i + a.rank() - self.n_relative;
                 let kept: Vec<usize> = (0..a.rank())
                     .chain(kept[self.n_relative..].iter().copied().map(shift))
@@ -486,7 +486,7 @@ impl ReducedPart {
     ) -> (SystemMatrix, SystemMatrix) {
         let nd = self.momentum.nrows();
         let (n_momenta, n_modes) = (self.momentum.ncols(), order.len());
-        // All that acts on the jump beside the blocks is seen by the bases.
+        // All that acts on the jump beside the blocks is seen by their combinations.
         let columns = Mat::from_fn(nd, n_momenta + n_modes + loads.len(), |i, j| {
             match (j.checked_sub(n_momenta), j.checked_sub(n_momenta + n_modes)) {
                 (None, _) => self.momentum[(i, j)],
@@ -494,8 +494,8 @@ impl ReducedPart {
                 (_, Some(load)) => loads[load][i],
             }
         });
-        let bases = stiffness.extended_bases(columns.as_ref(), SEEN * settings.coupling_tolerance.unwrap_or(0.0));
-        let (stiffness, mass) = (stiffness.over_bases(&bases), mass.over_bases(&bases));
+        let tree = stiffness.extended_tree(columns.as_ref(), SEEN * settings.coupling_tolerance.unwrap_or(0.0));
+        let (stiffness, mass) = (stiffness.over_tree(&tree), mass.over_tree(&tree));
         let rank = mass.rank();
         let seen = mass.onto_core(columns.subcols(0, n_momenta + n_modes));
         let (momentum, coupling) = seen.split_at_col(n_momenta);

@@ -193,15 +193,15 @@ impl ReducedModel {
         Ok((locked, motions))
     }
 
-    /// What a model of blocks is without them: the columns of the bases in the place of the jump, and nothing recovered from these.
+    /// What a model of blocks is without them: the combinations in the place of the jump, and nothing recovered from these.
     ///
     /// # Errors
-    /// [`Error::OtherModel`] for matrices that do not share their bases.
+    /// [`Error::OtherModel`] for matrices that do not share their tree.
     fn seen(&self) -> Result<Self, Error> {
         let (SystemMatrix::Blocks(stiffness), SystemMatrix::Blocks(mass)) = (&self.stiffness, &self.mass) else {
             return Err(Error::OtherModel { deviation: 1.0 });
         };
-        if stiffness.bases() != mass.bases() {
+        if stiffness.tree() != mass.tree() {
             return Err(Error::OtherModel { deviation: 1.0 });
         }
         let over_core = |row: &Vec<f64>| {
@@ -231,7 +231,7 @@ impl ReducedModel {
             SystemMatrix::Blocks(own) => SystemMatrix::Blocks(own.with_seen(seen.into_dense())),
             SystemMatrix::Dense(_) => seen,
         };
-        // Rows over the columns of the bases as rows over the jump.
+        // Rows over the combinations as rows over the jump.
         let over_jump = |rows: MatRef<'_, f64>| match &self.mass {
             SystemMatrix::Blocks(own) => own.from_core(rows.transpose()).transpose().to_owned(),
             SystemMatrix::Dense(_) => rows.to_owned(),

@@ -427,8 +427,8 @@ impl Summary {
                     },
                     SystemMatrix::Blocks(stiffness) => Flexibility {
                         form: "blocks".to_owned(),
-                        blocks: stiffness.local().len(),
-                        rank: stiffness.rank(),
+                        blocks: stiffness.tree().n_groups(),
+                        rank: stiffness.tree().combinations(),
                         tolerance: facts.coupling_tolerance.unwrap_or(0.0),
                         measured_error: reduced.asymmetry,
                     },

@@ -289,7 +289,7 @@ fn groups_of_kept_rows_are_blocks_whose_coupling_is_as_near_as_it_is_asked_to_be
             let SystemMatrix::Blocks(blocks) = found else {
                 panic!("three groups are three blocks");
             };
-            assert_eq!(blocks.local().len(), 3);
+            assert_eq!(blocks.tree().n_groups(), 3);
             worst = worst.max(difference(
                 blocks.to_dense().as_ref(),
                 dense.as_ref().to_dense().as_ref(),
@@ -314,6 +314,187 @@ fn groups_of_kept_rows_are_blocks_whose_coupling_is_as_near_as_it_is_asked_to_be
     };
     let one = with(1);
     assert!(one == with(2) && one == with(5));
+}
+
+/// Sections of a bar, three by four nodes of three rows each, of which five follow one another again and again.
+struct Periodic {
+    seed: usize,
+}
+
+impl Periodic {
+    const NODES: [usize; 2] = [3, 4];
+    const ROWS: usize = 36;
+    const SECTIONS: usize = 5;
+
+    /// Entries `(row, column)` of a section, and of its rows with those of the next one.
+    fn section(&self, at: usize) -> [Mat<f64>; 2] {
+        let [nj, _] = Self::NODES;
+        let within = |i: usize| (i % 3, i / 3 % nj, i / 3 / nj);
+        let behind = (at + Self::SECTIONS - 1) % Self::SECTIONS;
+        let value = |a: usize, b: usize, with: usize| {
+            let ((_, ja, ka), (_, jb, kb)) = (within(a), within(b));
+            let is_near = ja.abs_diff(jb) < 2 && ka.abs_diff(kb) < 2;
+            if is_near {
+                (1 + (a * 7 + b * 3 + 5 * with + self.seed) % 11) as f64
+            } else {
+                0.0
+            }
+        };
+        // Little more than all that couples a row to others: what acts on one is felt far away.
+        let own = |i: usize, j: usize| match i == j {
+            true => {
+                let of = |j: usize| match i == j {
+                    true => 0.05,
+                    false => value(i.max(j), i.min(j), at),
+                };
+                let across = |j: usize| value(i, j, at + 100) + value(j, i, behind + 100);
+                (0..Self::ROWS).map(|j| of(j) + across(j)).sum()
+            }
+            false => -value(i.max(j), i.min(j), at),
+        };
+        let of = |entry: &dyn Fn(usize, usize) -> f64| Mat::from_fn(Self::ROWS, Self::ROWS, entry);
+        [of(&own), of(&|i, j| -value(i, j, at + 100))]
+    }
+
+    /// Rows of a section that are kept: on one side of the bar, in the first two sections of five.
+    fn is_kept(section: usize, row: usize) -> bool {
+        section % Self::SECTIONS < 2 && (row / 3).is_multiple_of(Self::NODES[0])
+    }
+
+    /// A ring of so many times five sections, kept rows first, with the rows of each group.
+    fn ring(&self, count: usize) -> (CsMat<f64>, Vec<[f64; 3]>, Vec<usize>) {
+        let sections = count * Self::SECTIONS;
+        let all = (0..sections).flat_map(|section| (0..Self::ROWS).map(move |row| (section, row)));
+        let (mut order, rest): (Vec<_>, Vec<_>) = all.partition(|&(section, row)| Self::is_kept(section, row));
+        let group = order.len() / count;
+        order.extend(rest);
+        let mut place = vec![vec![0; Self::ROWS]; sections];
+        order
+            .iter()
+            .enumerate()
+            .for_each(|(at, &(section, row))| place[section][row] = at);
+        let mut entries = TriMat::new((order.len(), order.len()));
+        for section in 0..sections {
+            let [own, next] = self.section(section % Self::SECTIONS);
+            let (here, there) = (&place[section], &place[(section + 1) % sections]);
+            for j in 0..Self::ROWS {
+                for i in 0..Self::ROWS {
+                    entries.add_triplet(here[i], here[j], own[(i, j)]);
+                    entries.add_triplet(here[i], there[j], next[(i, j)]);
+                    entries.add_triplet(there[j], here[i], next[(i, j)]);
+                }
+            }
+        }
+        let position = |&(section, row): &(usize, usize)| {
+            let angle = std::f64::consts::TAU * section as f64 / sections as f64;
+            let radius = sections as f64 + (row / 3 % Self::NODES[0]) as f64;
+            [radius * angle.cos(), radius * angle.sin(), (row / 9) as f64]
+        };
+        (
+            entries.to_csr(),
+            order.iter().map(position).collect(),
+            vec![group; count],
+        )
+    }
+
+    /// Five sections, kept rows first, if those before and behind move alike but for a phase: real parts and then imaginary ones.
+    fn sector(&self, phase: f64) -> [Mat<f64>; 2] {
+        let all = (0..Self::SECTIONS).flat_map(|section| (0..Self::ROWS).map(move |row| (section, row)));
+        let (mut order, rest): (Vec<_>, Vec<_>) = all.partition(|&(section, row)| Self::is_kept(section, row));
+        order.extend(rest);
+        let n = order.len();
+        let place = |section: usize, row: usize| order.iter().position(|&at| at == (section, row)).unwrap();
+        let (mut real, mut imaginary) = (Mat::zeros(n, n), Mat::zeros(n, n));
+        for section in 0..Self::SECTIONS {
+            let [own, next] = self.section(section);
+            let behind = (section + 1) % Self::SECTIONS;
+            let (cos, sin) = if behind == 0 {
+                (phase.cos(), phase.sin())
+            } else {
+                (1.0, 0.0)
+            };
+            for i in 0..Self::ROWS {
+                for j in 0..Self::ROWS {
+                    let (here, there) = (place(section, i), place(behind, j));
+                    real[(here, place(section, j))] += own[(i, j)];
+                    real[(here, there)] += cos * next[(i, j)];
+                    real[(there, here)] += cos * next[(i, j)];
+                    imaginary[(here, there)] += sin * next[(i, j)];
+                    imaginary[(there, here)] -= sin * next[(i, j)];
+                }
+            }
+        }
+        [real, imaginary]
+    }
+}
+
+/// `[a -b; b a]` for `a + i b`, kept rows first.
+fn doubled([a, b]: &[Mat<f64>; 2], kept: usize) -> Mat<f64> {
+    let n = a.nrows();
+    let of = |i: usize| match i {
+        i if i < kept => (false, i),
+        i if i < 2 * kept => (true, i - kept),
+        i if i < n + kept => (false, i - kept),
+        i => (true, i - n),
+    };
+    Mat::from_fn(2 * n, 2 * n, |i, j| match (of(i), of(j)) {
+        ((false, i), (true, j)) => -b[(i, j)],
+        ((true, i), (false, j)) => b[(i, j)],
+        ((_, i), (_, j)) => a[(i, j)],
+    })
+}
+
+#[test]
+fn a_ring_of_equal_sectors_is_one_sector_with_cyclic_conditions() {
+    const COUNT: usize = 12;
+    let tolerance = 1e-6;
+    let parts = [Periodic { seed: 2 }, Periodic { seed: 9 }];
+    let [(stiffness, positions, sizes), (mass, ..)] = parts.each_ref().map(|part| part.ring(COUNT));
+    let kept = sizes[0];
+    let groups = Groups::new(&sizes, tolerance, [&stiffness, &mass]);
+    let (_, found) =
+        SparseCholesky::condense(&stiffness, &mass, &positions, &groups, &[], "test", Limits::default()).unwrap();
+    let SystemMatrix::Blocks(blocks) = &found.stiffness else {
+        panic!("a group per sector is a block per sector");
+    };
+    let tree = blocks.tree();
+    assert_eq!(tree.n_groups(), COUNT);
+    assert!(tree.nodes().len() > COUNT, "groups are united");
+    let of_ring = [&found.stiffness, &found.mass].map(|matrix| matrix.as_ref().to_dense());
+    let mut squares = Vec::new();
+    for wave in 0..COUNT {
+        let phase = std::f64::consts::TAU * wave as f64 / COUNT as f64;
+        let [k, m] = parts.each_ref().map(|part| doubled(&part.sector(phase), kept));
+        let (first, rest) = (2 * kept, k.nrows() - 2 * kept);
+        let lower = cholesky(k.submatrix(first, first, rest, rest)).unwrap();
+        let mut follow = k.submatrix(first, 0, rest, first) * faer::Scale(-1.0);
+        solve_lower(lower.as_ref(), follow.as_mut());
+        solve_lower_transposed(lower.as_ref(), follow.as_mut());
+        let mut basis = Mat::<f64>::identity(k.nrows(), first);
+        basis.subrows_mut(first, rest).copy_from(&follow);
+        let condensed = [k, m].map(|a| product(basis.transpose(), product(a.as_ref(), basis.as_ref()).as_ref()));
+        for (ring, sector) in of_ring.iter().zip(&condensed) {
+            // What moves with this phase from sector to sector is answered by as much.
+            let sum = |part: &dyn Fn(f64) -> f64| {
+                Mat::from_fn(kept, kept, |i, j| {
+                    let term = |k: usize| part(phase * k as f64) * ring[(i, k * kept + j)];
+                    (0..COUNT).map(term).sum::<f64>()
+                })
+            };
+            let symbol = doubled(&[sum(&f64::cos), sum(&f64::sin)], kept);
+            let error = difference(symbol.as_ref(), sector.as_ref());
+            assert!(error < tolerance, "wave {wave}: {error:e}");
+        }
+        let (own, _) = dense_algebra::symmetric_pair(condensed[0].as_ref(), condensed[1].as_ref()).unwrap();
+        // Real and imaginary parts have the same values, and are not two motions.
+        squares.extend(own.into_iter().step_by(2));
+    }
+    squares.sort_by(f64::total_cmp);
+    let factor = found.stiffness.clone().factor_plus(std::iter::empty()).unwrap();
+    let (lowest, _) = factor.lowest_pairs(found.mass.as_ref(), 2 * COUNT).unwrap();
+    for (ring, sector) in lowest.iter().zip(&squares) {
+        assert!((ring / sector - 1.0).abs() < tolerance, "{ring} {sector}");
+    }
 }
 
 #[test]

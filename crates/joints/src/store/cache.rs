@@ -2,7 +2,7 @@
 
 use super::key::Key;
 use crate::Error;
-use dense_algebra::{BlockMatrix, SystemMatrix};
+use dense_algebra::{BlockMatrix, Node, Symmetric, SystemMatrix, Tree};
 use faer::{Mat, MatRef};
 use reduction::ReducedModel;
 use serde::de::DeserializeOwned;
@@ -17,7 +17,7 @@ struct Header<F> {
     key: String,
     n: usize,
     /// Of matrices in blocks.
-    groups: Option<Groups>,
+    tree: Option<Vec<Shape>>,
     n_relative: usize,
     n_attachment: usize,
     n_loads: usize,
@@ -28,31 +28,32 @@ struct Header<F> {
     facts: F,
 }
 
-/// Coordinates of each block, and columns of its basis.
+/// Of a node of the tree of matrices in blocks.
 #[derive(Serialize, Deserialize)]
-struct Groups {
-    sizes: Vec<usize>,
-    ranks: Vec<usize>,
+struct Shape {
+    children: Vec<usize>,
+    coordinates: usize,
+    combinations: usize,
 }
 
-impl Groups {
-    /// Numbers that bases and two matrices of `n` coordinates take; none if that is no size.
-    fn numbers(&self, n: usize) -> Option<usize> {
-        let triangle = |size: usize| Some(size.checked_add(1)?.checked_mul(size)? / 2);
-        let (mut bases, mut blocks, mut coordinates, mut rank) = (0_usize, 0_usize, 0_usize, 0_usize);
-        for (&size, &own) in self.sizes.iter().zip(&self.ranks) {
-            bases = bases.checked_add(size.checked_mul(own)?)?;
-            blocks = blocks.checked_add(triangle(size)?)?;
-            coordinates = coordinates.checked_add(size)?;
-            rank = rank.checked_add(own)?;
+/// Numbers that bases and two matrices of `n` coordinates take; none if that is no size.
+fn numbers_of_blocks(shapes: &[Shape], n: usize) -> Option<usize> {
+    let (mut numbers, mut coordinates, mut rank) = (0_usize, 0_usize, 0_usize);
+    for (number, shape) in shapes.iter().enumerate() {
+        let basis = shape.coordinates.checked_mul(shape.combinations)?;
+        let matrices = shape.coordinates.checked_add(1)?.checked_mul(shape.coordinates)?;
+        numbers = numbers.checked_add(basis)?.checked_add(matrices)?;
+        if shape.children.is_empty() {
+            coordinates = coordinates.checked_add(shape.coordinates)?;
         }
-        let rest = n
-            .checked_sub(coordinates)
-            .filter(|_| self.sizes.len() == self.ranks.len())?;
-        let core = triangle(rank.checked_add(rest)?)?;
-        let matrix = blocks.checked_add(rest)?.checked_add(core)?;
-        bases.checked_add(matrix.checked_mul(2)?)
+        if !shapes.iter().any(|other| other.children.contains(&number)) {
+            rank = rank.checked_add(shape.combinations)?;
+        }
     }
+    let rest = n.checked_sub(coordinates)?;
+    let core = rank.checked_add(rest)?;
+    let cores = core.checked_add(1)?.checked_mul(core)?;
+    numbers.checked_add(rest.checked_mul(2)?)?.checked_add(cores)
 }
 
 fn path_of(directory: &Path, key: &Key) -> PathBuf {
@@ -94,10 +95,11 @@ pub fn load<F: DeserializeOwned>(directory: &Path, key: &Key) -> Option<(Reduced
     let n = header.n;
     // Loads and recovery, and twice the entries of a matrix, of which blocks share their bases.
     let rows = header.n_loads.checked_add(header.n_recovered)?.checked_mul(n)?;
-    let numbers = match &header.groups {
-        None => n.checked_add(1)?.checked_mul(n)?.checked_add(rows)?,
-        Some(groups) => groups.numbers(n)?.checked_add(rows)?,
+    let matrices = match &header.tree {
+        None => n.checked_add(1)?.checked_mul(n)?,
+        Some(shapes) => numbers_of_blocks(shapes, n)?,
     };
+    let numbers = matrices.checked_add(rows)?;
     if Some(payload.len()) != numbers.checked_mul(8) || header.n_relative > n {
         return None;
     }
@@ -113,24 +115,25 @@ pub fn load<F: DeserializeOwned>(directory: &Path, key: &Key) -> Option<(Reduced
         }
         m
     }
-    let (mass, stiffness) = match &header.groups {
+    let (mass, stiffness) = match &header.tree {
         None => (lower(n, &mut next).into(), lower(n, &mut next).into()),
-        Some(groups) => {
-            let bases = (groups.sizes.iter().zip(&groups.ranks)).map(|(&size, &rank)| {
-                let mut basis = Mat::zeros(size, rank);
+        Some(shapes) => {
+            let nodes = shapes.iter().map(|shape| {
+                let mut basis = Mat::zeros(shape.coordinates, shape.combinations);
                 basis
                     .col_iter_mut()
                     .for_each(|column| column.iter_mut().for_each(|value| *value = next()));
-                basis
+                let children = shape.children.clone();
+                Node { children, basis }
             });
-            let bases = Arc::new(bases.collect::<Vec<_>>());
-            let rank: usize = groups.ranks.iter().sum();
-            let n_rest = n - groups.sizes.iter().sum::<usize>();
+            let tree = Arc::new(Tree::try_new(nodes.collect())?);
+            let n_rest = n - tree.n_coordinates();
             let mut blocks = || {
-                let local = groups.sizes.iter().map(|&size| lower(size, &mut next)).collect();
+                let packed = |shape: &Shape| Symmetric::from_lower(lower(shape.coordinates, &mut next).as_ref());
+                let local = shapes.iter().map(packed).map(Arc::new).collect();
                 let rest = (0..n_rest).map(|_| next()).collect();
-                let core = lower(rank + n_rest, &mut next);
-                SystemMatrix::Blocks(BlockMatrix::new(bases.clone(), Arc::new(local), rest, core))
+                let core = lower(tree.rank() + n_rest, &mut next);
+                SystemMatrix::Blocks(BlockMatrix::new(tree.clone(), local, rest, core))
             };
             (blocks(), blocks())
         }
@@ -159,17 +162,19 @@ pub fn load<F: DeserializeOwned>(directory: &Path, key: &Key) -> Option<(Reduced
 
 /// Stores a model with `facts` about it; the file appears whole or not at all.
 pub fn store(directory: &Path, key: &Key, reduced: &ReducedModel, facts: &impl Serialize) -> Result<(), Error> {
-    let groups = match &reduced.mass {
+    let shape = |node: &Node| Shape {
+        children: node.children.clone(),
+        coordinates: node.basis.nrows(),
+        combinations: node.basis.ncols(),
+    };
+    let tree = match &reduced.mass {
         SystemMatrix::Dense(_) => None,
-        SystemMatrix::Blocks(mass) => Some(Groups {
-            sizes: mass.bases().iter().map(|basis| basis.nrows()).collect(),
-            ranks: mass.bases().iter().map(|basis| basis.ncols()).collect(),
-        }),
+        SystemMatrix::Blocks(mass) => Some(mass.tree().nodes().iter().map(shape).collect()),
     };
     let header = Header {
         key: key.0.clone(),
         n: reduced.size(),
-        groups,
+        tree,
         n_relative: reduced.n_relative,
         n_attachment: reduced.n_attachment,
         n_loads: reduced.loads.len(),
@@ -193,16 +198,15 @@ pub fn store(directory: &Path, key: &Key, reduced: &ReducedModel, facts: &impl S
         }
     };
     if let SystemMatrix::Blocks(mass) = &reduced.mass {
-        let bases = mass.bases().iter();
-        bases
-            .flat_map(|basis| basis.col_iter().flat_map(|column| column.iter()))
-            .for_each(&mut put);
+        let columns = mass.tree().nodes().iter().flat_map(|node| node.basis.col_iter());
+        columns.flat_map(|column| column.iter()).for_each(&mut put);
     }
     for matrix in [&reduced.mass, &reduced.stiffness] {
         match matrix {
             SystemMatrix::Dense(matrix) => lower(matrix.as_ref(), &mut put),
             SystemMatrix::Blocks(matrix) => {
-                matrix.local().iter().for_each(|block| lower(block.as_ref(), &mut put));
+                let blocks = matrix.local().iter().map(|block| block.to_dense());
+                blocks.for_each(|block| lower(block.as_ref(), &mut put));
                 matrix.rest().iter().for_each(&mut put);
                 lower(matrix.core(), &mut put);
             }
