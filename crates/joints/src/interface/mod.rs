@@ -37,9 +37,11 @@ use joint_model::InterfacePart;
 use law::{BuiltLaw, NamedLaw, fits_of};
 use population::population;
 use pressures::Pressures;
+use rayon::prelude::*;
 use scenes::{Bins, Friction, LawKind, Scene, Surface};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use stiffness::{mean, stiffnesses, stuck_stiffness};
 use surface_characterisation::PairAsperities;
 use work::Work;
@@ -332,13 +334,14 @@ impl SceneInterface {
                 .operators(mesh, scene.interfaces.points_per_direction)?,
         );
         let pressure = load / operators.area();
+        let done = AtomicUsize::new(0);
         let built = match parts {
             [] => vec![(
                 "interface".to_owned(),
                 PartLaw::try_new(scene.clone(), mesh, operators.clone(), pressure, known_part(0), work)?,
             )],
             _ => parts
-                .iter()
+                .par_iter()
                 .enumerate()
                 .map(|(number, part)| {
                     let own = scene.of_interface(part.source);
@@ -348,12 +351,15 @@ impl SceneInterface {
                         .symmetry
                         .operators(&mesh, scene.interfaces.points_per_direction)?;
                     let law = PartLaw::try_new(own, &mesh, Arc::new(operators), pressure, known_part(number), work)?;
-                    let done = (number + 1) as f64 / parts.len() as f64;
-                    work.progress.fraction(Stage::Characterise, LAWS * done);
+                    let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+                    let share = done as f64 / parts.len() as f64;
+                    work.progress.fraction(Stage::Characterise, LAWS * share);
                     let source = Some(part.source);
                     Ok((part.name.clone(), PartLaw { source, ..law }))
                 })
-                .collect::<Result<Vec<_>, Error>>()?,
+                .collect::<Vec<Result<_, Error>>>()
+                .into_iter()
+                .collect::<Result<_, _>>()?,
         };
         Self::of_parts(operators, built, load)
     }
@@ -384,7 +390,7 @@ impl SceneInterface {
             true => 0.0,
             false => uniform_closure(&interface, load)?,
         };
-        let reports = built.iter().map(|(name, part)| {
+        let reports = built.par_iter().map(|(name, part)| {
             let area = part.operators.area();
             // The whole carries the whole load, to the last bit.
             let load = if built.len() == 1 { load } else { share(area) };
@@ -397,7 +403,7 @@ impl SceneInterface {
             })
         });
         Ok(Self {
-            reports: reports.collect::<Result<_, Error>>()?,
+            reports: (reports.collect::<Vec<Result<_, Error>>>().into_iter()).collect::<Result<_, _>>()?,
             clipped_gaps: built.iter().map(|(_, part)| part.clipped_gaps).sum(),
             interface,
             closure,
@@ -423,15 +429,19 @@ impl SceneInterface {
     /// As [`SceneInterface::try_new`].
     pub fn about(self, pressures: &[f64], load: f64) -> Result<Self, Error> {
         let mean = load / self.operators.area();
-        let mut first = 0;
+        let mut rest = pressures;
         let mut parts = Vec::with_capacity(self.parts.len());
         for (part, report) in self.parts.into_iter().zip(self.reports) {
-            let points = first..first + part.gap.len();
-            first = points.end;
-            let at_rest = Some(&pressures[points]);
-            parts.push((report.name, part.about(Pressures { mean, at_rest })?));
+            let (own, others) = rest.split_at(part.gap.len());
+            rest = others;
+            parts.push((report.name, part, own));
         }
-        let joined = Self::of_parts(self.operators, parts, load)?;
+        let about = parts.into_par_iter().map(|(name, part, at_rest)| {
+            let at_rest = Some(at_rest);
+            Ok((name, part.about(Pressures { mean, at_rest })?))
+        });
+        let parts = about.collect::<Vec<Result<_, Error>>>();
+        let joined = Self::of_parts(self.operators, parts.into_iter().collect::<Result<_, _>>()?, load)?;
         Ok(Self {
             at_rest: Some(pressures.to_vec()),
             ..joined
