@@ -32,7 +32,7 @@ const COMPARING: f64 = 2.2;
 const SOLVING: [f64; 3] = [1.6e-8, 3e-8, 9e-9];
 
 /// Of finding displacements, relative to the factorisation; and of recovering strains, per element.
-const RECOVERING: (f64, f64) = (0.8, 1.2e-3);
+const RECOVERING: (f64, f64) = (0.3, 1.2e-3);
 
 /// Loops of each mode that the error of a mesh follows from.
 const LOOPS_OF_MESH: f64 = 2.0;

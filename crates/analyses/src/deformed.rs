@@ -7,6 +7,7 @@ use dense_algebra::{Limits, product};
 use faer::Mat;
 use finite_elements::mesh::Mesh;
 use joint_model::Bodies;
+use joints::store::Options;
 use joints::structure::{StructuralModel, Structure};
 use scenes::{BoltBehaviour, Scene};
 
@@ -27,6 +28,7 @@ impl Deformed {
         model: &StructuralModel,
         scene: &Scene,
         analysis: &Analysis,
+        options: &Options,
         limits: Limits<'_>,
     ) -> Result<Self, Error> {
         let stored = scene.fields_at();
@@ -40,7 +42,9 @@ impl Deformed {
             .flat_map(|mode| mode.amplitudes.iter().enumerate());
         let peaks: Vec<&[f64]> = amplitudes.filter_map(|one| peak(&stored, one)).collect();
         let motions = motions(model, scene.bolts.behaviour, at_rest, &peaks)?;
-        let mut found = structure.displacements(model, motions.as_ref(), limits)?.into_iter();
+        let mut found = structure
+            .displacements(model, motions.as_ref(), options, limits)?
+            .into_iter();
         let prestress = found.next().unwrap_or_default();
         let mut of_amplitude = |one| peak(&stored, one).and_then(|_| found.next());
         let peaks = analysis.modes.iter().map(|mode| {

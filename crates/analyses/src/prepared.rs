@@ -233,7 +233,7 @@ impl Prepared {
         within.note("the structure is factored again, to find displacements of the bodies");
         let (stop, hear) = (|| within.interrupted(), |done| within.done(done));
         let limits = Limits::default().until(&stop).heard_by(&hear);
-        Deformed::new(structure, &self.model, &self.scene, analysis, limits).map(Some)
+        Deformed::new(structure, &self.model, &self.scene, analysis, &self.options, limits).map(Some)
     }
 
     /// Stiffness over the jump of the contact under the bolt loads with everything in contact stuck, symmetrised (N/m).

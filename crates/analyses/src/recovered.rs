@@ -85,7 +85,8 @@ impl Prepared {
         let motions = self.motions(analysis, &chosen)?;
         let (stop, hear) = (|| within.interrupted(), |done| within.done(done));
         let limits = Limits::default().until(&stop).heard_by(&hear);
-        let displacements = structure.displacements(&self.model, motions.as_ref(), limits.part(0.0, FACTORED))?;
+        let displacements =
+            structure.displacements(&self.model, motions.as_ref(), &self.options, limits.part(0.0, FACTORED))?;
         let errors = StrainErrors::try_new(mesh, &displacements).map_err(joints::Error::from)?;
         limits.done(RECOVERED);
         let n = errors.n_motions;

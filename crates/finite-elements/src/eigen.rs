@@ -28,7 +28,7 @@ const ENERGY: f64 = 1e-6;
 const MOST_VECTORS: usize = 20;
 
 /// Modes of `K phi = omega^2 M phi` in ascending order.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Modes {
     /// `omega^2` (rad^2/s^2); zero-energy modes come first with values at round-off.
     pub eigenvalues: Vec<f64>,

@@ -31,9 +31,6 @@ const SEEN: f64 = 1e-2;
 /// Relative distance of eigenvalues whose modes are turned together.
 const EQUAL: f64 = 2e-4;
 
-/// Share of the time of finding displacements that the modes of the stuck structure take.
-const MODES: f64 = 0.7;
-
 /// Share of the time of condensing and what follows that condensing takes.
 const CONDENSING: f64 = 0.8;
 
@@ -222,7 +219,29 @@ pub fn reduce(
     progress: &(dyn Fn(Step) + Sync),
     limits: Limits<'_>,
 ) -> Result<ReducedModel, Error> {
+    Ok(reduce_with_modes(system, rows, settings, progress, limits)?.0)
+}
+
+/// The same with the modes that its basis is made of, which [`displacements`] needs.
+///
+/// # Errors
+/// As [`reduce`].
+pub fn reduce_with_modes(
+    system: &RelativeSystem,
+    rows: &[Vec<f64>],
+    settings: Settings,
+    progress: &(dyn Fn(Step) + Sync),
+    limits: Limits<'_>,
+) -> Result<(ReducedModel, Vec<Modes>), Error> {
     reduce_parts(&parts_of(system, settings), rows, settings, progress, limits)
+}
+
+/// The modes of each part of the stuck structure that the basis of its reduction is made of.
+///
+/// # Errors
+/// As [`reduce`].
+pub fn modes_of_basis(system: &RelativeSystem, settings: Settings, limits: Limits<'_>) -> Result<Vec<Modes>, Error> {
+    stuck_modes(&parts_of(system, settings), settings, limits)
 }
 
 /// The parts that a reduction takes one after the other.
@@ -242,7 +261,7 @@ fn reduce_parts(
     settings: Settings,
     progress: &(dyn Fn(Step) + Sync),
     limits: Limits<'_>,
-) -> Result<ReducedModel, Error> {
+) -> Result<(ReducedModel, Vec<Modes>), Error> {
     let hear = |done| progress(Step::Modes(done));
     let stuck = stuck_modes(parts, settings, limits.heard_by(&hear))?;
     progress(Step::Condensing);
@@ -256,15 +275,14 @@ fn reduce_parts(
         stuck_frequencies.truncate(settings.n_reported.max(settings.n_modes));
     }
     let mut reduced = Vec::with_capacity(parts.len());
-    for (part, stuck) in stuck.into_iter().enumerate() {
+    for (part, stuck) in stuck.iter().enumerate() {
         let system = parts.system(part);
         let acting = acting_loads(parts, part, settings);
         let kept = kept(&system, settings);
         let own = limits.of_part(part, parts.len());
         let (supported, condensed) =
             Supported::condense(&system, stuck.zero_energy(), &kept, own.part(0.0, CONDENSING))?;
-        let basis = Basis::try_new(&system, supported, &stuck, retained[part], &acting)?;
-        drop(stuck);
+        let basis = Basis::try_new(&system, supported, stuck, retained[part], &acting)?;
         reduced.push(ReducedPart::try_new(basis, condensed, &parts.onto(part, rows))?);
     }
     let nd = parts.of_whole().n_relative;
@@ -329,7 +347,7 @@ fn reduce_parts(
         }
     };
     limits.done(1.0);
-    Ok(ReducedModel {
+    let model = ReducedModel {
         mass,
         stiffness,
         loads,
@@ -339,7 +357,8 @@ fn reduce_parts(
         stuck_frequencies,
         zem_stuck,
         asymmetry: reduced.iter().map(|part| part.asymmetry).fold(0.0, f64::max),
-    })
+    };
+    Ok((model, stuck))
 }
 
 /// For each jump coordinate of the whole that of a part which moves it, and by how much.
@@ -525,8 +544,8 @@ impl ReducedPart {
 
 /// Displacements over `[jump; rest]` in motions of a reduced model, which are the columns of `motions`.
 ///
-/// The basis is not part of the model: it is found again, without attachment modes in less time than by the reduction. `system`, `rows` and `settings` are those that
-/// `model` was made of; it may have been truncated since. The `limits` are asked, and hear how much is done.
+/// The basis is not part of the model: what of it are solves is factored again. `system`, `rows` and `settings` are those that `model` was made of, and `modes`
+/// those that came with it ([`reduce_with_modes`], [`modes_of_basis`]); it may have been truncated since. The `limits` are asked, and hear how much is done.
 ///
 /// # Errors
 /// As [`reduce`]; [`Error::OtherModel`] if what `rows` recover from the displacements is not what the model recovers.
@@ -535,11 +554,12 @@ pub fn displacements(
     rows: &[Vec<f64>],
     settings: Settings,
     model: &ReducedModel,
+    modes: &[Modes],
     motions: MatRef<'_, f64>,
     limits: Limits<'_>,
 ) -> Result<Mat<f64>, Error> {
     let parts = parts_of(system, settings);
-    let found = displacements_of_parts(&parts, settings, model, motions, limits)?;
+    let found = displacements_of_parts(&parts, settings, model, modes, motions, limits)?;
     let recovered = product(model.recovery.as_ref(), motions);
     for (i, row) in rows.iter().enumerate() {
         for (j, motion) in found.col_iter().enumerate() {
@@ -564,16 +584,21 @@ fn displacements_of_parts(
     parts: &Parts<'_>,
     settings: Settings,
     model: &ReducedModel,
+    stuck: &[Modes],
     motions: MatRef<'_, f64>,
     limits: Limits<'_>,
 ) -> Result<Mat<f64>, Error> {
-    let stuck = stuck_modes(parts, settings, limits.part(0.0, MODES))?;
-    let retained = retained(&stuck, settings.n_modes);
     let systems: Vec<_> = (0..parts.len()).map(|part| parts.system(part)).collect();
+    let n_rest = |system: &RelativeSystem| system.stiffness.rows() - system.n_relative;
+    let sizes = stuck.iter().map(|modes| modes.shapes.nrows());
+    if !sizes.eq(systems.iter().map(|system| n_rest(system))) {
+        return Err(Error::OtherModel { deviation: 1.0 });
+    }
+    let retained = retained(stuck, settings.n_modes);
     let bases = systems.iter().enumerate().map(|(part, system)| {
         let acting = acting_loads(parts, part, settings);
         let zero_energy = stuck[part].zero_energy();
-        let limits = limits.part(MODES, 1.0).of_part(part, parts.len());
+        let limits = limits.of_part(part, parts.len());
         let supported = match acting.is_empty() {
             true => Supported::try_new(system, zero_energy, limits)?,
             // Signs of attachment modes follow from static responses, which must be those of the reduction to the last bit.

@@ -16,7 +16,7 @@ pub mod relative;
 mod symmetry;
 mod zem;
 
-pub use craig_bampton::{ReducedModel, Settings, Step, displacements, reduce};
+pub use craig_bampton::{ReducedModel, Settings, Step, displacements, modes_of_basis, reduce, reduce_with_modes};
 pub use dense_algebra::Limits;
 pub use error::Error;
 pub use held::{HeldSystem, Hold, LoadCompliance};

@@ -818,14 +818,27 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
         y
     };
     for (settings, kept) in [(Settings::default(), 20), (attached(12), 12), (attached(12), 7)] {
-        let mut model = reduce(&relative, &rows, settings, &|_| {}, Limits::default()).unwrap();
+        let (mut model, modes) =
+            reduction::reduce_with_modes(&relative, &rows, settings, &|_| {}, Limits::default()).unwrap();
+        assert_eq!(
+            reduction::modes_of_basis(&relative, settings, Limits::default()).unwrap(),
+            modes
+        );
         model.truncate(kept);
         // No entry is like another.
         let coordinates =
             |model: &ReducedModel| faer::Mat::from_fn(model.size(), 3, |i, j| 1e-6 * ((1 + i * (7 + j)) as f64).sin());
         let motions = coordinates(&model);
-        let found =
-            reduction::displacements(&relative, &rows, settings, &model, motions.as_ref(), Limits::default()).unwrap();
+        let found = reduction::displacements(
+            &relative,
+            &rows,
+            settings,
+            &model,
+            &modes,
+            motions.as_ref(),
+            Limits::default(),
+        )
+        .unwrap();
         assert_eq!(found.subrows(0, nd), motions.subrows(0, nd));
         for (name, full, reduced) in [
             ("stiffness", &relative.stiffness, entries(&model.stiffness)),
@@ -850,9 +863,16 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
             of_model
                 .subrows_mut(nd, basis.nrows())
                 .copy_from(product(basis.as_ref(), motions.as_ref()));
-            let found =
-                reduction::displacements(&relative, &rows, settings, &model, of_model.as_ref(), Limits::default())
-                    .unwrap();
+            let found = reduction::displacements(
+                &relative,
+                &rows,
+                settings,
+                &model,
+                &modes,
+                of_model.as_ref(),
+                Limits::default(),
+            )
+            .unwrap();
             for load in &relative.loads {
                 for motion in found.col_iter() {
                     let [work, size] = motion.iter().zip(load).fold([0.0_f64; 2], |[work, size], (u, f)| {
@@ -872,15 +892,14 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
         // Another system, and another number of modes.
         let other = reduce(&relative, &rows, attached(9), &|_| {}, Limits::default()).unwrap();
         let motions = coordinates(&other);
-        let refused = reduction::displacements(
-            &relative,
-            &rows,
-            Settings::default(),
-            &other,
-            motions.as_ref(),
-            Limits::default(),
-        );
-        assert!(matches!(refused, Err(Error::OtherModel { .. })), "{refused:?}");
+        let of = |modes: &[_]| {
+            let (settings, limits) = (Settings::default(), Limits::default());
+            reduction::displacements(&relative, &rows, settings, &other, modes, motions.as_ref(), limits)
+        };
+        for modes in [modes.as_slice(), &[]] {
+            let refused = of(modes);
+            assert!(matches!(refused, Err(Error::OtherModel { .. })), "{refused:?}");
+        }
     }
 }
 
@@ -1046,9 +1065,18 @@ fn symmetric_and_antisymmetric_parts_make_the_whole() {
         assert!((a / b - 1.0).abs() < 1e-11, "{a} {b}");
     }
     // Motions of both parts together.
+    let modes = reduction::modes_of_basis(&relative, settings, Limits::default()).unwrap();
     let motions = faer::Mat::from_fn(found.size(), 2, |i, j| 1e-6 * ((1 + i * (3 + j)) as f64).sin());
-    let moved =
-        reduction::displacements(&relative, &rows, settings, &found, motions.as_ref(), Limits::default()).unwrap();
+    let moved = reduction::displacements(
+        &relative,
+        &rows,
+        settings,
+        &found,
+        &modes,
+        motions.as_ref(),
+        Limits::default(),
+    )
+    .unwrap();
     for (name, full, reduced) in [
         ("stiffness", &relative.stiffness, entries(&found.stiffness)),
         ("mass", &relative.mass, entries(&found.mass)),

@@ -5,6 +5,8 @@ use crate::common::{BENCHMARKS, beam};
 use analyses::results::summary::{Status, Summary};
 use analyses::{Error, Prepared, Run, prepare, run};
 use cqsma_solver::{NewtonSettings, prestress};
+use dense_algebra::Limits;
+use faer::Mat;
 use joint_model::benchmark::RefinementLevel;
 use joint_model::{Bodies, Sides};
 use joints::Options;
@@ -14,6 +16,7 @@ use joints::structure::Structure;
 use scenes::{BoltBehaviour, Commit, Force, Gap, LawKind, Length, Mass, PointMass, Scene, Surface, SyntheticScan};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
 use test_support::TemporaryFolder;
 
@@ -552,12 +555,53 @@ fn the_cache_serves_the_same_model_and_ignores_damaged_files() {
 /// A folder of a test's own with the reduced model that all tests share.
 fn folder_with_model(name: &str) -> TemporaryFolder {
     let folder = TemporaryFolder::new(&format!("analyses-{name}"));
+    copy_of_cache("reduced-", &folder);
+    folder
+}
+
+/// Copies files of the common cache whose names begin so.
+fn copy_of_cache(name: &str, folder: &Path) {
     for entry in std::fs::read_dir(cache()).unwrap().map(Result::unwrap) {
-        if entry.file_name().to_string_lossy().starts_with("reduced-") {
+        if entry.file_name().to_string_lossy().starts_with(name) {
             std::fs::copy(entry.path(), folder.join(entry.file_name())).unwrap();
         }
     }
-    folder
+}
+
+#[test]
+fn modes_from_the_cache_are_those_found_again() {
+    let scene = quick();
+    let structure = Structure::try_new(&scene, &Silent).unwrap();
+    let folder = folder_with_model("modes");
+    let options = Options::cached(&*folder);
+    let model = structure.reduce(&options, &Silent).unwrap();
+    let motion = Mat::from_fn(model.reduced.size(), 1, |i, _| 1e-6 * (i as f64).sin());
+    // How often it is asked whether to stop tells how much is done.
+    let displacements = || {
+        let asked = AtomicUsize::new(0);
+        let stop = || {
+            asked.fetch_add(1, Ordering::Relaxed);
+            false
+        };
+        let limits = Limits::default().until(&stop);
+        let found = structure
+            .displacements(&model, motion.as_ref(), &options, limits)
+            .unwrap();
+        (found, asked.into_inner())
+    };
+    let (found, all) = displacements();
+    go(&scene);
+    copy_of_cache("modes-", &folder);
+    let (with_modes, less) = displacements();
+    assert!(with_modes == found && 2 * less < all, "{less} {all}");
+    let path = file_of(&folder, "modes-");
+    let intact = std::fs::read(&path).unwrap();
+    for place in (0..intact.len()).step_by(intact.len() / 4) {
+        let mut damaged = intact.clone();
+        damaged[place] ^= 1 << (place % 8);
+        std::fs::write(&path, damaged).unwrap();
+        assert_eq!(displacements(), (found.clone(), all));
+    }
 }
 
 /// The file in a folder whose name begins so.
@@ -798,11 +842,7 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
     // A folder of its own with the common reduced model, so that only these runs leave loops there.
     let folder = std::env::temp_dir().join(format!("analyses-interrupted-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
-    for entry in std::fs::read_dir(cache()).unwrap().map(Result::unwrap) {
-        if entry.file_name().to_string_lossy().starts_with("reduced-") {
-            std::fs::copy(entry.path(), folder.join(entry.file_name())).unwrap();
-        }
-    }
+    copy_of_cache("reduced-", &folder);
     let options = Options::cached(&folder);
     let loops = || {
         let mut entries = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().path());

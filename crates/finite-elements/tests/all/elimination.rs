@@ -403,7 +403,11 @@ impl Periodic {
         let (mut order, rest): (Vec<_>, Vec<_>) = all.partition(|&(section, row)| Self::is_kept(section, row));
         order.extend(rest);
         let n = order.len();
-        let place = |section: usize, row: usize| order.iter().position(|&at| at == (section, row)).unwrap();
+        let mut place = vec![[0; Self::ROWS]; Self::SECTIONS];
+        order
+            .iter()
+            .enumerate()
+            .for_each(|(at, &(section, row))| place[section][row] = at);
         let (mut real, mut imaginary) = (Mat::zeros(n, n), Mat::zeros(n, n));
         for section in 0..Self::SECTIONS {
             let [own, next] = self.section(section);
@@ -415,8 +419,8 @@ impl Periodic {
             };
             for i in 0..Self::ROWS {
                 for j in 0..Self::ROWS {
-                    let (here, there) = (place(section, i), place(behind, j));
-                    real[(here, place(section, j))] += own[(i, j)];
+                    let (here, there) = (place[section][i], place[behind][j]);
+                    real[(here, place[section][j])] += own[(i, j)];
                     real[(here, there)] += cos * next[(i, j)];
                     real[(there, here)] += cos * next[(i, j)];
                     imaginary[(here, there)] += sin * next[(i, j)];

@@ -1,9 +1,10 @@
-//! Reduced models, and contact by boundary elements, on disk, keyed by a hash of everything they depend on. A checksum covers every byte.
+//! Reduced models, the modes of their bases, and contact by boundary elements, on disk, keyed by a hash of everything they depend on. A checksum covers every byte.
 
 use super::key::Key;
 use crate::Error;
 use dense_algebra::{BlockMatrix, Node, Symmetric, SystemMatrix, Tree};
 use faer::{Mat, MatRef};
+use finite_elements::eigen::Modes;
 use reduction::ReducedModel;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -62,6 +63,10 @@ fn path_of(directory: &Path, key: &Key) -> PathBuf {
 
 fn path_of_elements(directory: &Path, key: &Key) -> PathBuf {
     directory.join(format!("contact-{}.json", key.short()))
+}
+
+fn path_of_modes(directory: &Path, key: &Key) -> PathBuf {
+    directory.join(format!("modes-{}.bin", key.short()))
 }
 
 /// The contact of elements stored for `key`, if there is an intact file.
@@ -215,5 +220,67 @@ pub fn store(directory: &Path, key: &Key, reduced: &ReducedModel, facts: &impl S
     reduced.loads.iter().flatten().for_each(&mut put);
     let recovery = reduced.recovery.col_iter().flat_map(|column| column.iter());
     recovery.for_each(&mut put);
+    Ok(file_io::durable::write_sealed(&path, &bytes)?)
+}
+
+/// First line of stored modes; of each part follow the eigenvalues, the residual and the shapes as little-endian doubles.
+#[derive(Serialize, Deserialize)]
+struct ModesHeader {
+    key: String,
+    /// Coordinates, modes, and how many of these cost no energy, of each part.
+    parts: Vec<[usize; 3]>,
+}
+
+/// The modes stored for `key`, if there is an intact file.
+pub fn load_modes(directory: &Path, key: &Key) -> Option<Vec<Modes>> {
+    let bytes = file_io::durable::read_sealed(&path_of_modes(directory, key))?;
+    let end = bytes.iter().position(|b| *b == b'\n')?;
+    let header: ModesHeader = serde_json::from_slice(&bytes[..end]).ok()?;
+    let payload = &bytes[end + 1..];
+    let expected = header.parts.iter().try_fold(0_usize, |sum, [rows, count, _]| {
+        sum.checked_add(rows.checked_add(1)?.checked_mul(*count)?)?
+            .checked_add(1)
+    });
+    if header.key != key.0 || Some(payload.len()) != expected?.checked_mul(8) {
+        return None;
+    }
+    let mut numbers = payload.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
+    let mut next = || numbers.next().unwrap_or(f64::NAN);
+    let modes = header.parts.into_iter().map(|[rows, count, n_zero]| {
+        let eigenvalues = (0..count).map(|_| next()).collect();
+        let residual = next();
+        let mut shapes = Mat::zeros(rows, count);
+        shapes
+            .col_iter_mut()
+            .for_each(|shape| shape.iter_mut().for_each(|value| *value = next()));
+        (n_zero <= count).then_some(Modes {
+            eigenvalues,
+            shapes,
+            n_zero,
+            residual,
+        })
+    });
+    modes.collect()
+}
+
+/// Stores modes; the file appears whole or not at all.
+pub fn store_modes(directory: &Path, key: &Key, modes: &[Modes]) -> Result<(), Error> {
+    let shape = |modes: &Modes| [modes.shapes.nrows(), modes.shapes.ncols(), modes.n_zero];
+    let header = ModesHeader {
+        key: key.0.clone(),
+        parts: modes.iter().map(shape).collect(),
+    };
+    let path = path_of_modes(directory, key);
+    let mut bytes = serde_json::to_vec(&header).map_err(|error| Error::File {
+        path: path.clone(),
+        operation: "encoding modes",
+        source: error.into(),
+    })?;
+    bytes.push(b'\n');
+    for modes in modes {
+        let numbers = modes.eigenvalues.iter().chain([&modes.residual]);
+        let all = numbers.chain(modes.shapes.col_iter().flat_map(|shape| shape.iter()));
+        all.for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
+    }
     Ok(file_io::durable::write_sealed(&path, &bytes)?)
 }

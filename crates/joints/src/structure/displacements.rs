@@ -3,15 +3,20 @@
 use super::meshed::Meshed;
 use super::{StructuralModel, Structure};
 use crate::Error;
+use crate::store::{Options, cache};
 use dense_algebra::Limits;
 use faer::{Mat, MatRef};
 use finite_elements::sparse::multiply_into;
 use joint_model::Bodies;
 
+/// Share of the time of finding displacements that the modes of the stuck structure take where they are not known.
+const MODES: f64 = 0.7;
+
 impl Structure {
     /// Displacement of each node of the mesh (m), motion by motion; motions of the reduced model are columns.
     ///
-    /// The structure is assembled and factored again, as the reduced model does not keep its basis.
+    /// The structure is assembled and factored again, as the reduced model does not keep its basis; modes that the cache of the `options` holds are not
+    /// found again.
     ///
     /// # Errors
     /// [`Error::NoMesh`] of matrices; of assembly and reduction.
@@ -19,6 +24,7 @@ impl Structure {
         &self,
         model: &StructuralModel,
         motions: MatRef<'_, f64>,
+        options: &Options,
         limits: Limits<'_>,
     ) -> Result<Vec<Vec<[f64; 3]>>, Error> {
         let Bodies::Meshed(bodies) = &self.joint.bodies else {
@@ -26,7 +32,16 @@ impl Structure {
         };
         let meshed = Meshed::try_new(&self.joint, bodies)?;
         let rows = meshed.rows(bodies)?;
-        let over = reduction::displacements(&meshed.relative, &rows, self.settings, &model.reduced, motions, limits)?;
+        let (relative, settings) = (&meshed.relative, self.settings);
+        let (cache, key) = (options.cache.as_deref(), self.key(options.build.as_deref()));
+        let (modes, limits) = match cache.and_then(|directory| cache::load_modes(directory, &key)) {
+            Some(modes) => (modes, limits),
+            None => {
+                let modes = reduction::modes_of_basis(relative, settings, limits.part(0.0, MODES))?;
+                (modes, limits.part(MODES, 1.0))
+            }
+        };
+        let over = reduction::displacements(relative, &rows, settings, &model.reduced, &modes, motions, limits)?;
         let independent = meshed.relative.displacements(over.as_ref());
         let transform = &meshed.system.dofs.transform;
         let mut all = Mat::zeros(transform.rows(), motions.ncols());

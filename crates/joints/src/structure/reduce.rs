@@ -12,7 +12,7 @@ use finite_elements::assemble::System;
 use finite_elements::mesh::Cell;
 use joint_model::{Bodies, Excited, ImportedBodies, MeshedBodies, Sides};
 use reduction::checks::{self, ReducedSpectrum};
-use reduction::{Limits, ReducedModel, RelativeSystem, Settings, Step, reduce};
+use reduction::{Limits, ReducedModel, RelativeSystem, Settings, Step, reduce, reduce_with_modes};
 use sprs::CsMat;
 use std::borrow::Cow;
 
@@ -81,7 +81,7 @@ impl Structure {
         let springs = self.springs(self.check_interface(), |_| true)?;
         let hear = |done| progress.fraction(Stage::Factor, CHECKING * done);
         let full = self.frequencies_to_check(&assembled.relative, &springs, limits.heard_by(&hear))?;
-        let mut reduced = reduce(
+        let (mut reduced, modes) = reduce_with_modes(
             &assembled.relative,
             &assembled.rows,
             self.settings,
@@ -99,7 +99,11 @@ impl Structure {
         check_closing(&reduced)?;
         let facts = self.facts(&assembled, &mut reduced, &springs, full)?;
         let model = StructuralModel { reduced, facts };
-        if let Some(Err(error)) = cache.map(|directory| cache::store(directory, &key, &model.reduced, &model.facts)) {
+        let stored = cache.map(|directory| {
+            cache::store(directory, &key, &model.reduced, &model.facts)?;
+            cache::store_modes(directory, &key, &modes)
+        });
+        if let Some(Err(error)) = stored {
             progress.note(&format!("the reduced model was not cached: {error}"));
         }
         progress.end(Stage::Reduce);
@@ -136,8 +140,10 @@ impl Structure {
                 }),
                 Some(_),
             ) => {
-                let core = EXPECTED_RANK * parts.len() + self.settings.n_modes;
-                let sizes = parts.iter().map(|part| 3 * part.own.len()).chain([core]);
+                // A node unites two, and the core the last two.
+                let nodes = std::iter::repeat_n(2 * EXPECTED_RANK, parts.len());
+                let core = 2 * EXPECTED_RANK + self.settings.n_modes;
+                let sizes = parts.iter().map(|part| 3 * part.own.len()).chain(nodes).chain([core]);
                 sizes.map(|size| (size as u64).pow(2)).sum()
             }
             _ => (self.reduced_coordinates() as u64).pow(2),
@@ -313,7 +319,7 @@ impl Structure {
     }
 
     /// Hash of what the file of a reduced model depends on.
-    fn key(&self, build: Option<&str>) -> Key {
+    pub(super) fn key(&self, build: Option<&str>) -> Key {
         let mut key = self.hash(build);
         // The springs of the spectrum check depend on these.
         key.text(&format!("{:?}{:?}", self.youngs_modulus, (N_CHECKED, CHECK_STIFFNESS)));
