@@ -263,15 +263,16 @@ impl BlockMatrix {
     /// # Panics
     /// If the shapes do not fit.
     pub fn product(&self, x: MatRef<'_, f64>) -> Mat<f64> {
-        let mut y = Mat::zeros(self.size(), x.ncols());
-        let columns: Vec<_> = y.par_col_iter_mut().zip(x.par_col_iter()).collect();
-        columns.into_par_iter().for_each(|(y, x)| {
-            let x: Vec<f64> = x.iter().copied().collect();
-            if let Some(y) = y.try_as_col_major_mut() {
-                self.product_into(&x, y.as_slice_mut());
-            }
-        });
-        y
+        let columns: Vec<Vec<f64>> = (0..x.ncols())
+            .into_par_iter()
+            .map(|j| {
+                let x: Vec<f64> = x.col(j).iter().copied().collect();
+                let mut y = vec![0.0; self.size()];
+                self.product_into(&x, &mut y);
+                y
+            })
+            .collect();
+        Mat::from_fn(self.size(), columns.len(), |i, j| columns[j][i])
     }
 
     /// The diagonal.
