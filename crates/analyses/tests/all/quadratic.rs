@@ -564,11 +564,12 @@ fn orders_do_not_share_a_reduced_model() {
     let scenes = [on_deck(&path, 3), raised(&path, 3), full];
     let [linear, quadratic, _] = [0, 1, 2].map(|index| unknowns(&scenes[index]));
     assert!(2 * quadratic > 5 * linear, "{linear} {quadratic}");
+    // Of each a model and its modes.
     let files = || std::fs::read_dir(folder.join("cache")).unwrap().count();
-    assert_eq!(files(), 3);
+    assert_eq!(files(), 6);
     // Each is found again.
     assert_eq!([0, 1].map(|index| unknowns(&scenes[index])), [linear, quadratic]);
-    assert_eq!(files(), 3);
+    assert_eq!(files(), 6);
 }
 
 #[test]

@@ -537,7 +537,7 @@ fn the_cache_serves_the_same_model_and_ignores_damaged_files() {
     let cached = with(&heard);
     assert!(!heard.0.lock().unwrap().contains(&Stage::Reduce));
     assert_eq!(fresh.amplitudes()[0].point.result, cached.amplitudes()[0].point.result);
-    let file = std::fs::read_dir(&folder).unwrap().next().unwrap().unwrap().path();
+    let file = file_of(&folder, "reduced-");
     let mut bytes = std::fs::read(&file).unwrap();
     let last = bytes.len() - 1;
     bytes[last] ^= 1;
