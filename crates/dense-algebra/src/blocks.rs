@@ -371,15 +371,7 @@ impl BlockMatrix {
         }
         // What the combinations of the core see one another by, without it.
         let (rank, size) = (self.rank(), self.core.nrows());
-        let mut compliance = Mat::<f64>::zeros(size, size);
-        let mut first = 0;
-        for &top in self.tree.tops() {
-            let own = &found[top].compliance;
-            compliance
-                .submatrix_mut(first, first, own.nrows(), own.nrows())
-                .copy_from(own);
-            first += own.nrows();
-        }
+        let mut compliance = compliances(&found, self.tree.tops(), size);
         let rest: Vec<f64> = self.rest.iter().map(|d| 1.0 / d).collect();
         (rest.iter().enumerate()).for_each(|(k, value)| compliance[(rank + k, rank + k)] = *value);
         // (1 + C G)^-1 C.
@@ -409,16 +401,7 @@ impl BlockMatrix {
     fn inverted(&self, number: usize, known: &[Inverted]) -> Result<Inverted, Error> {
         let node = &self.tree.nodes()[number];
         let size = node.basis.nrows();
-        let mut compliance = Mat::zeros(size, size);
-        let mut first = 0;
-        for &child in &node.children {
-            let own = &known[child].compliance;
-            compliance
-                .submatrix_mut(first, first, own.nrows(), own.nrows())
-                .copy_from(own);
-            first += own.nrows();
-        }
-        let lower = cholesky_in_place(compliance)?;
+        let lower = cholesky_in_place(compliances(known, &node.children, size))?;
         let half = product(self.local[number].to_dense().as_ref(), lower.as_ref());
         let coupling = symmetric(product(lower.transpose(), half.as_ref()).as_ref());
         let mut system = coupling.clone();
@@ -445,4 +428,16 @@ impl BlockMatrix {
             compliance,
         })
     }
+}
+
+/// What the combinations of these nodes see, node after node, the first ones of a matrix of this size.
+fn compliances(of: &[Inverted], nodes: &[usize], size: usize) -> Mat<f64> {
+    let mut all = Mat::zeros(size, size);
+    let mut first = 0;
+    for &node in nodes {
+        let own = &of[node].compliance;
+        all.submatrix_mut(first, first, own.nrows(), own.nrows()).copy_from(own);
+        first += own.nrows();
+    }
+    all
 }

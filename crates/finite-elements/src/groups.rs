@@ -10,7 +10,6 @@ use dense_algebra::{BlockMatrix, Node, Symmetric, SystemMatrix, Tree, leading_ba
 use faer::Mat;
 use sprs::CsMat;
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// Combinations of a group that are expected to be carried on, for an estimate of memory.
@@ -135,13 +134,6 @@ enum Rows {
     United(Vec<Completed>),
 }
 
-impl Completed {
-    /// Positions that stand for its combinations.
-    fn positions(&self) -> Range<usize> {
-        self.first..self.first + self.basis.ncols()
-    }
-}
-
 impl Grouping {
     /// None if there is one group.
     pub(crate) fn try_new(groups: &Groups, dissection: &Dissection, matrices: &[CsMat<f64>]) -> Option<Self> {
@@ -247,69 +239,92 @@ impl Grouping {
         done: &mut Vec<Completed>,
     ) {
         let is_last = beyond.iter().all(|&position| position >= self.first);
-        let mut index = 0;
+        let mut left = Left {
+            next: self.combination(part, 0),
+            beyond,
+            matrices,
+        };
         for node in done.iter_mut() {
             if !(is_last || (n_branches > 1 && node.basis.ncols() > FEW)) {
                 continue;
             }
-            let (own, others) = split(beyond, |position| node.positions().contains(&position));
-            let basis = seen(matrices, &own, &others, self.tolerance);
-            let local = self.carry_on(part, &mut index, &basis, beyond, matrices, (&own, &others));
-            for (sum, local) in node.own.iter_mut().zip(local) {
+            let positions = node.first..node.first + node.basis.ncols();
+            let is_own = |position| positions.contains(&position);
+            let Some(fewer) = left.carry_on(is_own, self.tolerance, 1.0) else {
+                continue;
+            };
+            for (sum, local) in node.own.iter_mut().zip(fewer.own) {
                 let half = product(node.basis.as_ref(), local.as_ref());
                 *sum += symmetric(product(half.as_ref(), node.basis.transpose()).as_ref());
             }
-            node.basis = product(node.basis.as_ref(), basis.as_ref());
-            node.first = self.combination(part, index - basis.ncols());
+            node.basis = product(node.basis.as_ref(), fewer.basis.as_ref());
+            node.first = fewer.first;
         }
         for group in (0..self.complete.len()).filter(|&group| self.complete[group] == part) {
             let is_own =
                 |position| position >= self.first && !self.is_combination(position) && self.group(position) == group;
-            let (own, others) = split(beyond, is_own);
-            let row = |&at: &usize| beyond[at] - self.first - self.starts[group];
-            let rows = own.iter().map(row).collect();
-            let basis = seen(matrices, &own, &others, self.tolerance);
-            let local = self.carry_on(part, &mut index, &basis, beyond, matrices, (&own, &others));
-            done.push(Completed {
-                of: Rows::Group(group, rows),
-                first: self.combination(part, index - basis.ncols()),
+            if let Some(Carried {
+                rows,
+                first,
                 basis,
-                own: local,
-            });
+                own,
+            }) = left.carry_on(is_own, self.tolerance, 1.0)
+            {
+                let row = |position| position - self.first - self.starts[group];
+                done.push(Completed {
+                    of: Rows::Group(group, rows.into_iter().map(row).collect()),
+                    first,
+                    basis,
+                    own,
+                });
+            }
         }
         if n_branches < 2 || is_last {
             return;
         }
-        let (own, others) = split(beyond, |position| self.is_combination(position));
-        let basis = seen(matrices, &own, &others, OF_NODES * self.tolerance);
-        if basis.ncols() as f64 > WORTH_UNITING * own.len() as f64 {
-            return;
+        let is_own = |position| self.is_combination(position);
+        let tolerance = OF_NODES * self.tolerance;
+        if let Some(Carried { first, basis, own, .. }) = left.carry_on(is_own, tolerance, WORTH_UNITING) {
+            // In the order of their combinations.
+            done.sort_by_key(|node| node.first);
+            let of = Rows::United(std::mem::take(done));
+            done.push(Completed { of, first, basis, own });
         }
-        // In the order of their combinations.
-        done.sort_by_key(|node| node.first);
-        let local = self.carry_on(part, &mut index, &basis, beyond, matrices, (&own, &others));
-        let united = std::mem::take(done);
-        done.push(Completed {
-            of: Rows::United(united),
-            first: self.combination(part, index - basis.ncols()),
-            basis,
-            own: local,
-        });
     }
+}
 
-    /// Puts the combinations of a basis in the place of its `own` positions, behind the `others`; gives what is left on the own ones.
-    fn carry_on(
-        &self,
-        part: usize,
-        index: &mut usize,
-        basis: &Mat<f64>,
-        beyond: &mut Vec<usize>,
-        matrices: &mut [Mat<f64>],
-        (own, others): (&[usize], &[usize]),
-    ) -> Vec<Mat<f64>> {
-        let (n, rank) = (others.len(), basis.ncols());
-        let mut local = Vec::with_capacity(matrices.len());
-        for matrix in matrices.iter_mut() {
+/// What eliminated parts leave while combinations take the place of some of it.
+struct Left<'a> {
+    /// Position that stands for the next combination.
+    next: usize,
+    beyond: &'a mut Vec<usize>,
+    /// Lower triangles over the positions `beyond`.
+    matrices: &'a mut [Mat<f64>],
+}
+
+/// What combinations have taken the place of.
+struct Carried {
+    /// The positions.
+    rows: Vec<usize>,
+    /// That of the first combination.
+    first: usize,
+    /// A column per combination.
+    basis: Mat<f64>,
+    /// What is left on the rows.
+    own: Vec<Mat<f64>>,
+}
+
+impl Left<'_> {
+    /// Carries combinations on in the place of some positions, behind all others; none, and nothing is done, if they are more than a part `worth` of these.
+    fn carry_on(&mut self, is_own: impl Fn(usize) -> bool, tolerance: f64, worth: f64) -> Option<Carried> {
+        let (own, others): (Vec<usize>, Vec<usize>) = (0..self.beyond.len()).partition(|&at| is_own(self.beyond[at]));
+        let basis = seen(self.matrices, &own, &others, tolerance);
+        let (n, rank, first) = (others.len(), basis.ncols(), self.next);
+        if rank as f64 > worth * own.len() as f64 {
+            return None;
+        }
+        let mut local = Vec::with_capacity(self.matrices.len());
+        for matrix in self.matrices.iter_mut() {
             local.push(Mat::from_fn(own.len(), own.len(), |i, j| entry(matrix, own[i], own[j])));
             let across = Mat::from_fn(own.len(), n, |i, j| entry(matrix, own[i], others[j]));
             let across = product(basis.transpose(), across.as_ref());
@@ -322,10 +337,16 @@ impl Grouping {
             left.submatrix_mut(n, 0, rank, n).copy_from(across);
             *matrix = left;
         }
-        *beyond = others.iter().map(|&at| beyond[at]).collect();
-        beyond.extend((*index..*index + rank).map(|index| self.combination(part, index)));
-        *index += rank;
-        local
+        let rows = own.iter().map(|&at| self.beyond[at]).collect();
+        *self.beyond = others.iter().map(|&at| self.beyond[at]).collect();
+        self.next += rank;
+        self.beyond.extend(first..self.next);
+        Some(Carried {
+            rows,
+            first,
+            basis,
+            own: local,
+        })
     }
 }
 
@@ -349,11 +370,6 @@ fn seen(matrices: &[Mat<f64>], own: &[usize], others: &[usize], tolerance: f64) 
 /// Of a lower triangle.
 fn entry(matrix: &Mat<f64>, i: usize, j: usize) -> f64 {
     matrix[(i.max(j), i.min(j))]
-}
-
-/// Places of the positions for which something holds, and of all others.
-fn split(beyond: &[usize], is_own: impl Fn(usize) -> bool) -> (Vec<usize>, Vec<usize>) {
-    (0..beyond.len()).partition(|&at| is_own(beyond[at]))
 }
 
 /// Stiffness and mass over all groups, from what is left of each, from lower triangles `left` over the combinations that are carried on to the end, and from

@@ -829,16 +829,11 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
         let coordinates =
             |model: &ReducedModel| faer::Mat::from_fn(model.size(), 3, |i, j| 1e-6 * ((1 + i * (7 + j)) as f64).sin());
         let motions = coordinates(&model);
-        let found = reduction::displacements(
-            &relative,
-            &rows,
-            settings,
-            &model,
-            &modes,
-            motions.as_ref(),
-            Limits::default(),
-        )
-        .unwrap();
+        let displacements = |motions: &faer::Mat<f64>| {
+            let (motions, limits) = (motions.as_ref(), Limits::default());
+            reduction::displacements(&relative, &rows, settings, &model, &modes, motions, limits).unwrap()
+        };
+        let found = displacements(&motions);
         assert_eq!(found.subrows(0, nd), motions.subrows(0, nd));
         for (name, full, reduced) in [
             ("stiffness", &relative.stiffness, entries(&model.stiffness)),
@@ -863,16 +858,7 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
             of_model
                 .subrows_mut(nd, basis.nrows())
                 .copy_from(product(basis.as_ref(), motions.as_ref()));
-            let found = reduction::displacements(
-                &relative,
-                &rows,
-                settings,
-                &model,
-                &modes,
-                of_model.as_ref(),
-                Limits::default(),
-            )
-            .unwrap();
+            let found = displacements(&of_model);
             for load in &relative.loads {
                 for motion in found.col_iter() {
                     let [work, size] = motion.iter().zip(load).fold([0.0_f64; 2], |[work, size], (u, f)| {

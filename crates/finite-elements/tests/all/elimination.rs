@@ -361,18 +361,25 @@ impl Periodic {
         section % Self::SECTIONS < 2 && (row / 3).is_multiple_of(Self::NODES[0])
     }
 
-    /// A ring or chain of so many times five sections, kept rows first, with the rows of each group.
-    fn assembled(&self, count: usize, is_ring: bool) -> (CsMat<f64>, Vec<[f64; 3]>, Vec<usize>) {
-        let sections = count * Self::SECTIONS;
+    /// Section and row at each place where kept rows come first, and the place of each.
+    fn order(sections: usize) -> (Vec<(usize, usize)>, Vec<Vec<usize>>) {
         let all = (0..sections).flat_map(|section| (0..Self::ROWS).map(move |row| (section, row)));
         let (mut order, rest): (Vec<_>, Vec<_>) = all.partition(|&(section, row)| Self::is_kept(section, row));
-        let group = order.len() / count;
         order.extend(rest);
         let mut place = vec![vec![0; Self::ROWS]; sections];
         order
             .iter()
             .enumerate()
             .for_each(|(at, &(section, row))| place[section][row] = at);
+        (order, place)
+    }
+
+    /// A ring or chain of so many times five sections, kept rows first, with the rows of each group.
+    fn assembled(&self, count: usize, is_ring: bool) -> (CsMat<f64>, Vec<[f64; 3]>, Vec<usize>) {
+        let sections = count * Self::SECTIONS;
+        let (order, place) = Self::order(sections);
+        let is_kept = |&&(section, row): &&(usize, usize)| Self::is_kept(section, row);
+        let group = order.iter().filter(is_kept).count() / count;
         let mut entries = TriMat::new((order.len(), order.len()));
         for section in 0..sections {
             let [own, next] = self.section(section % Self::SECTIONS);
@@ -401,15 +408,8 @@ impl Periodic {
 
     /// Five sections, kept rows first, if those before and behind move alike but for a phase: real parts and then imaginary ones.
     fn sector(&self, phase: f64) -> [Mat<f64>; 2] {
-        let all = (0..Self::SECTIONS).flat_map(|section| (0..Self::ROWS).map(move |row| (section, row)));
-        let (mut order, rest): (Vec<_>, Vec<_>) = all.partition(|&(section, row)| Self::is_kept(section, row));
-        order.extend(rest);
+        let (order, place) = Self::order(Self::SECTIONS);
         let n = order.len();
-        let mut place = vec![[0; Self::ROWS]; Self::SECTIONS];
-        order
-            .iter()
-            .enumerate()
-            .for_each(|(at, &(section, row))| place[section][row] = at);
         let (mut real, mut imaginary) = (Mat::zeros(n, n), Mat::zeros(n, n));
         for section in 0..Self::SECTIONS {
             let [own, next] = self.section(section);

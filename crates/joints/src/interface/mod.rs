@@ -357,6 +357,7 @@ impl SceneInterface {
                     let source = Some(part.source);
                     Ok((part.name.clone(), PartLaw { source, ..law }))
                 })
+                // The first error in the order of the parts, whatever the threads.
                 .collect::<Vec<Result<_, Error>>>()
                 .into_iter()
                 .collect::<Result<_, _>>()?,

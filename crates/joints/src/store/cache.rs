@@ -12,10 +12,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use surface_characterisation::PressedElement;
 
-/// First line of a stored model; the numbers follow as little-endian doubles in the order of the fields, of mass and stiffness the lower triangles.
+/// What precedes the numbers of a stored model, which follow in the order of the fields, of mass and stiffness the lower triangles.
 #[derive(Serialize, Deserialize)]
 struct Header<F> {
-    key: String,
     n: usize,
     /// Of matrices in blocks.
     tree: Option<Vec<Shape>>,
@@ -90,13 +89,7 @@ pub fn store_elements(directory: &Path, key: &Key, elements: &[PressedElement]) 
 /// The model stored for `key` and the facts stored with it, if there is an intact file. Damaged or foreign files count as
 /// absent.
 pub fn load<F: DeserializeOwned>(directory: &Path, key: &Key) -> Option<(ReducedModel, F)> {
-    let bytes = file_io::durable::read_sealed(&path_of(directory, key))?;
-    let end = bytes.iter().position(|b| *b == b'\n')?;
-    let header: Header<F> = serde_json::from_slice(&bytes[..end]).ok()?;
-    let payload = &bytes[end + 1..];
-    if header.key != key.0 {
-        return None;
-    }
+    let (header, mut numbers) = Numbers::read::<Header<F>>(&path_of(directory, key), key)?;
     let n = header.n;
     // Loads and recovery, and twice the entries of a matrix, of which blocks share their bases.
     let rows = header.n_loads.checked_add(header.n_recovered)?.checked_mul(n)?;
@@ -104,53 +97,30 @@ pub fn load<F: DeserializeOwned>(directory: &Path, key: &Key) -> Option<(Reduced
         None => n.checked_add(1)?.checked_mul(n)?,
         Some(shapes) => numbers_of_blocks(shapes, n)?,
     };
-    let numbers = matrices.checked_add(rows)?;
-    if Some(payload.len()) != numbers.checked_mul(8) || header.n_relative > n {
+    if Some(numbers.left()) != matrices.checked_add(rows) || header.n_relative > n {
         return None;
     }
-    let mut numbers = payload.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
-    let mut next = || numbers.next().unwrap_or(f64::NAN);
-    fn lower(n: usize, next: &mut impl FnMut() -> f64) -> Mat<f64> {
-        let mut m = Mat::zeros(n, n);
-        for j in 0..n {
-            for i in j..n {
-                let value = next();
-                (m[(i, j)], m[(j, i)]) = (value, value);
-            }
-        }
-        m
-    }
     let (mass, stiffness) = match &header.tree {
-        None => (lower(n, &mut next).into(), lower(n, &mut next).into()),
+        None => (numbers.lower(n).into(), numbers.lower(n).into()),
         Some(shapes) => {
-            let nodes = shapes.iter().map(|shape| {
-                let mut basis = Mat::zeros(shape.coordinates, shape.combinations);
-                basis
-                    .col_iter_mut()
-                    .for_each(|column| column.iter_mut().for_each(|value| *value = next()));
-                let children = shape.children.clone();
-                Node { children, basis }
+            let nodes = shapes.iter().map(|shape| Node {
+                children: shape.children.clone(),
+                basis: numbers.matrix(shape.coordinates, shape.combinations),
             });
             let tree = Arc::new(Tree::try_new(nodes.collect())?);
             let n_rest = n - tree.n_coordinates();
             let mut blocks = || {
-                let packed = |shape: &Shape| Symmetric::from_lower(lower(shape.coordinates, &mut next).as_ref());
+                let packed = |shape: &Shape| Symmetric::from_lower(numbers.lower(shape.coordinates).as_ref());
                 let local = shapes.iter().map(packed).map(Arc::new).collect();
-                let rest = (0..n_rest).map(|_| next()).collect();
-                let core = lower(tree.rank() + n_rest, &mut next);
+                let rest = (0..n_rest).map(|_| numbers.next()).collect();
+                let core = numbers.lower(tree.rank() + n_rest);
                 SystemMatrix::Blocks(BlockMatrix::new(tree.clone(), local, rest, core))
             };
             (blocks(), blocks())
         }
     };
-    let mut matrix = |rows, columns| {
-        let mut m = Mat::zeros(rows, columns);
-        m.col_iter_mut()
-            .for_each(|column| column.iter_mut().for_each(|value| *value = next()));
-        m
-    };
-    let loads = matrix(n, header.n_loads);
-    let recovery = matrix(header.n_recovered, n);
+    let loads = numbers.matrix(n, header.n_loads);
+    let recovery = numbers.matrix(header.n_recovered, n);
     let reduced = ReducedModel {
         mass,
         stiffness,
@@ -177,7 +147,6 @@ pub fn store(directory: &Path, key: &Key, reduced: &ReducedModel, facts: &impl S
         SystemMatrix::Blocks(mass) => Some(mass.tree().nodes().iter().map(shape).collect()),
     };
     let header = Header {
-        key: key.0.clone(),
         n: reduced.size(),
         tree,
         n_relative: reduced.n_relative,
@@ -189,98 +158,154 @@ pub fn store(directory: &Path, key: &Key, reduced: &ReducedModel, facts: &impl S
         stuck_frequencies: reduced.stuck_frequencies.clone(),
         facts,
     };
-    let path = path_of(directory, key);
-    let mut bytes = serde_json::to_vec(&header).map_err(|error| Error::File {
-        path: path.clone(),
-        operation: "encoding the reduced model",
-        source: error.into(),
-    })?;
-    bytes.push(b'\n');
-    let mut put = |value: &f64| bytes.extend_from_slice(&value.to_le_bytes());
-    let lower = |matrix: MatRef<'_, f64>, put: &mut dyn FnMut(&f64)| {
-        for (j, column) in matrix.col_iter().enumerate() {
-            column.iter().skip(j).for_each(&mut *put);
-        }
-    };
+    let mut record = Record::new(path_of(directory, key), key, &header, "encoding the reduced model")?;
     if let SystemMatrix::Blocks(mass) = &reduced.mass {
-        let columns = mass.tree().nodes().iter().flat_map(|node| node.basis.col_iter());
-        columns.flat_map(|column| column.iter()).for_each(&mut put);
+        mass.tree().nodes().iter().for_each(|node| record.matrix(&node.basis));
     }
     for matrix in [&reduced.mass, &reduced.stiffness] {
         match matrix {
-            SystemMatrix::Dense(matrix) => lower(matrix.as_ref(), &mut put),
+            SystemMatrix::Dense(matrix) => record.lower(matrix.as_ref()),
             SystemMatrix::Blocks(matrix) => {
                 let blocks = matrix.local().iter().map(|block| block.to_dense());
-                blocks.for_each(|block| lower(block.as_ref(), &mut put));
-                matrix.rest().iter().for_each(&mut put);
-                lower(matrix.core(), &mut put);
+                blocks.for_each(|block| record.lower(block.as_ref()));
+                record.numbers(matrix.rest());
+                record.lower(matrix.core());
             }
         }
     }
-    reduced.loads.iter().flatten().for_each(&mut put);
-    let recovery = reduced.recovery.col_iter().flat_map(|column| column.iter());
-    recovery.for_each(&mut put);
-    Ok(file_io::durable::write_sealed(&path, &bytes)?)
-}
-
-/// First line of stored modes; of each part follow the eigenvalues, the residual and the shapes as little-endian doubles.
-#[derive(Serialize, Deserialize)]
-struct ModesHeader {
-    key: String,
-    /// Coordinates, modes, and how many of these cost no energy, of each part.
-    parts: Vec<[usize; 3]>,
+    record.numbers(reduced.loads.iter().flatten());
+    record.matrix(&reduced.recovery);
+    record.write()
 }
 
 /// The modes stored for `key`, if there is an intact file.
 pub fn load_modes(directory: &Path, key: &Key) -> Option<Vec<Modes>> {
-    let bytes = file_io::durable::read_sealed(&path_of_modes(directory, key))?;
-    let end = bytes.iter().position(|b| *b == b'\n')?;
-    let header: ModesHeader = serde_json::from_slice(&bytes[..end]).ok()?;
-    let payload = &bytes[end + 1..];
-    let expected = header.parts.iter().try_fold(0_usize, |sum, [rows, count, _]| {
-        sum.checked_add(rows.checked_add(1)?.checked_mul(*count)?)?
-            .checked_add(1)
+    let (parts, mut numbers) = Numbers::read::<Vec<ModesOfPart>>(&path_of_modes(directory, key), key)?;
+    let expected = parts.iter().try_fold(0_usize, |sum, part| {
+        let shapes_and_values = part.coordinates.checked_add(1)?.checked_mul(part.modes)?;
+        sum.checked_add(shapes_and_values)?.checked_add(1)
     });
-    if header.key != key.0 || Some(payload.len()) != expected?.checked_mul(8) {
+    if Some(numbers.left()) != expected || parts.iter().any(|part| part.n_zero > part.modes) {
         return None;
     }
-    let mut numbers = payload.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
-    let mut next = || numbers.next().unwrap_or(f64::NAN);
-    let modes = header.parts.into_iter().map(|[rows, count, n_zero]| {
-        let eigenvalues = (0..count).map(|_| next()).collect();
-        let residual = next();
-        let mut shapes = Mat::zeros(rows, count);
-        shapes
-            .col_iter_mut()
-            .for_each(|shape| shape.iter_mut().for_each(|value| *value = next()));
-        (n_zero <= count).then_some(Modes {
-            eigenvalues,
-            shapes,
-            n_zero,
-            residual,
-        })
+    let modes = parts.into_iter().map(|part| Modes {
+        eigenvalues: (0..part.modes).map(|_| numbers.next()).collect(),
+        residual: numbers.next(),
+        shapes: numbers.matrix(part.coordinates, part.modes),
+        n_zero: part.n_zero,
     });
-    modes.collect()
+    Some(modes.collect())
 }
 
 /// Stores modes; the file appears whole or not at all.
 pub fn store_modes(directory: &Path, key: &Key, modes: &[Modes]) -> Result<(), Error> {
-    let shape = |modes: &Modes| [modes.shapes.nrows(), modes.shapes.ncols(), modes.n_zero];
-    let header = ModesHeader {
-        key: key.0.clone(),
-        parts: modes.iter().map(shape).collect(),
+    let of_part = |modes: &Modes| ModesOfPart {
+        coordinates: modes.shapes.nrows(),
+        modes: modes.shapes.ncols(),
+        n_zero: modes.n_zero,
     };
-    let path = path_of_modes(directory, key);
-    let mut bytes = serde_json::to_vec(&header).map_err(|error| Error::File {
-        path: path.clone(),
-        operation: "encoding modes",
-        source: error.into(),
-    })?;
-    bytes.push(b'\n');
+    let parts: Vec<ModesOfPart> = modes.iter().map(of_part).collect();
+    let mut record = Record::new(path_of_modes(directory, key), key, &parts, "encoding modes")?;
     for modes in modes {
-        let numbers = modes.eigenvalues.iter().chain([&modes.residual]);
-        let all = numbers.chain(modes.shapes.col_iter().flat_map(|shape| shape.iter()));
-        all.for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
+        record.numbers(modes.eigenvalues.iter().chain([&modes.residual]));
+        record.matrix(&modes.shapes);
     }
-    Ok(file_io::durable::write_sealed(&path, &bytes)?)
+    record.write()
+}
+
+/// What precedes the numbers of stored modes, of each part: its eigenvalues follow, the residual and the shapes.
+#[derive(Serialize, Deserialize)]
+struct ModesOfPart {
+    coordinates: usize,
+    modes: usize,
+    n_zero: usize,
+}
+
+/// Numbers of a stored file, one after the other: little-endian doubles behind a line with its key and what precedes them.
+struct Numbers {
+    bytes: Vec<u8>,
+    at: usize,
+}
+
+impl Numbers {
+    /// The file of a key with what precedes its numbers, if it is intact.
+    fn read<H: DeserializeOwned>(path: &Path, key: &Key) -> Option<(H, Self)> {
+        let bytes = file_io::durable::read_sealed(path)?;
+        let end = bytes.iter().position(|b| *b == b'\n')?;
+        let (of, header): (String, H) = serde_json::from_slice(&bytes[..end]).ok()?;
+        let at = end + 1;
+        (of == key.0 && (bytes.len() - at).is_multiple_of(size_of::<f64>())).then_some((header, Self { bytes, at }))
+    }
+
+    /// How many there are still.
+    fn left(&self) -> usize {
+        (self.bytes.len() - self.at) / size_of::<f64>()
+    }
+
+    /// NaN behind the last one.
+    fn next(&mut self) -> f64 {
+        let rest = self.bytes.get(self.at..).unwrap_or_default();
+        let Some(bytes) = rest.first_chunk() else {
+            return f64::NAN;
+        };
+        self.at += bytes.len();
+        f64::from_le_bytes(*bytes)
+    }
+
+    fn matrix(&mut self, rows: usize, columns: usize) -> Mat<f64> {
+        let mut m = Mat::zeros(rows, columns);
+        for column in m.col_iter_mut() {
+            column.iter_mut().for_each(|value| *value = self.next());
+        }
+        m
+    }
+
+    /// A symmetric matrix from its lower triangle.
+    fn lower(&mut self, n: usize) -> Mat<f64> {
+        let mut m = Mat::zeros(n, n);
+        for j in 0..n {
+            for i in j..n {
+                let value = self.next();
+                (m[(i, j)], m[(j, i)]) = (value, value);
+            }
+        }
+        m
+    }
+}
+
+/// A file of [`Numbers`] that is being made.
+struct Record {
+    path: PathBuf,
+    bytes: Vec<u8>,
+}
+
+impl Record {
+    fn new(path: PathBuf, key: &Key, header: &impl Serialize, operation: &'static str) -> Result<Self, Error> {
+        let mut bytes = serde_json::to_vec(&(&key.0, header)).map_err(|error| Error::File {
+            path: path.clone(),
+            operation,
+            source: error.into(),
+        })?;
+        bytes.push(b'\n');
+        Ok(Self { path, bytes })
+    }
+
+    fn numbers<'a>(&mut self, numbers: impl IntoIterator<Item = &'a f64>) {
+        let bytes = numbers.into_iter().flat_map(|value| value.to_le_bytes());
+        self.bytes.extend(bytes);
+    }
+
+    fn matrix(&mut self, matrix: &Mat<f64>) {
+        self.numbers(matrix.col_iter().flat_map(|column| column.iter()));
+    }
+
+    fn lower(&mut self, matrix: MatRef<'_, f64>) {
+        let columns = matrix.col_iter().enumerate();
+        self.numbers(columns.flat_map(|(j, column)| column.iter().skip(j)));
+    }
+
+    /// The file appears whole or not at all.
+    fn write(self) -> Result<(), Error> {
+        Ok(file_io::durable::write_sealed(&self.path, &self.bytes)?)
+    }
 }
