@@ -22,6 +22,8 @@ pub(crate) struct Analysis {
     pub(crate) tightening: Option<TighteningResult>,
     /// Linearised frequencies (Hz).
     pub(crate) frequencies: Vec<f64>,
+    /// Derivatives of their logarithms by those of the stiffness of each interface, mode by mode (-).
+    pub(crate) by_interface: Vec<Vec<f64>>,
     /// Memory that a product with the stuck structure's flexibility reads (bytes).
     pub(crate) flexibility_bytes: usize,
     /// The modes followed, in the scene's order.

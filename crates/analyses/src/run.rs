@@ -41,6 +41,8 @@ pub struct Run {
     pub tightening: Option<TighteningResult>,
     /// Linearised frequencies (Hz).
     pub frequencies: Vec<f64>,
+    /// Derivatives of their logarithms with respect to those of the stiffness of each interface with everything in contact stuck, mode by mode (-).
+    pub by_interface: Vec<Vec<f64>>,
     /// Memory that a product with the stuck structure's flexibility reads (bytes).
     pub flexibility_bytes: usize,
     /// Backbones of the modes followed, in the scene's order; never empty.

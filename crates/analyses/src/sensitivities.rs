@@ -8,7 +8,6 @@ use cqsma_solver::cqsma::LoopResult;
 use cqsma_solver::prestress::Prestress;
 use cqsma_solver::sensitivity::{Change, Derivatives, LoopRate, ModeRate, ParameterRate, StaticRate, static_rates};
 use dense_algebra::{SystemMatrix, dot};
-use faer::Mat;
 use harmonic_balance::backbone::{self, Motion, MotionRate, Point};
 use joints::interface::{InterfaceForce, SceneInterface};
 use joints::progress::Progress;
@@ -16,6 +15,7 @@ use joints::structure::{StructuralModel, Structure};
 use reduction::ReducedModel;
 use scenes::{BoltBehaviour, EPMC, Influence, Parameter, Scene};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use zte_assembly::{State, Variation};
 
 /// Relative distance of neighbouring values over which ingredients that change smoothly are differenced.
@@ -255,49 +255,52 @@ impl Neighbours {
     }
 
     /// What the parameter changes in the static and the vibrating structure.
-    fn ingredients(&self, reduced: &ReducedModel) -> Ingredients<'_> {
+    fn ingredients<'b>(&'b self, reduced: &'b ReducedModel) -> Ingredients<'b> {
         let apart = 2.0 * self.step;
         let [above, below] = self
             .models
             .as_ref()
             .map_or([reduced; 2], |[above, below]| [above, below]);
-        let matrix = |of: &dyn Fn(&ReducedModel) -> &SystemMatrix| {
-            let (a, b) = self
-                .models
-                .as_ref()
-                .and(of(above).as_ref().dense().zip(of(below).as_ref().dense()))?;
-            Some(Mat::from_fn(a.nrows(), a.ncols(), |i, j| {
-                (a[(i, j)] - b[(i, j)]) / apart
-            }))
+        let matrix = |a: &'b SystemMatrix, b: &'b SystemMatrix| match (&self.models, a, b) {
+            (None, ..) => Vec::new(),
+            (_, SystemMatrix::Dense(a), SystemMatrix::Dense(b)) => {
+                vec![(1.0 / apart, Cow::Owned((a - b).into()))]
+            }
+            // Blocks beside one another are coupled through other combinations.
+            (_, a, b) => vec![(1.0 / apart, Cow::Borrowed(a)), (-1.0 / apart, Cow::Borrowed(b))],
         };
         let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b) / apart).collect();
         Ingredients {
             of: self,
-            stiffness: matrix(&|model| &model.stiffness),
-            mass: matrix(&|model| &model.mass),
+            stiffness: matrix(&above.stiffness, &below.stiffness),
+            mass: matrix(&above.mass, &below.mass),
             load: difference(&Self::load(&self.above, above), &Self::load(&self.below, below)),
             response: difference(&response(above), &response(below)),
         }
     }
 }
 
+/// A sum of factors times matrices.
+type Terms<'a> = Vec<(f64, Cow<'a, SystemMatrix>)>;
+
 /// Change of all that a solve is made of, per unit of the parameter or of its logarithm.
 struct Ingredients<'a> {
     /// The parameter, with the change of the law.
     of: &'a Neighbours,
-    stiffness: Option<Mat<f64>>,
-    mass: Option<Mat<f64>>,
+    stiffness: Terms<'a>,
+    mass: Terms<'a>,
     load: Vec<f64>,
     response: Vec<f64>,
 }
 
 impl Ingredients<'_> {
     fn change<'a>(&'a self) -> Change<'a, InterfaceForce<'a>> {
+        let looked_at = |terms: &'a Terms<'_>| terms.iter().map(|(factor, matrix)| (*factor, matrix.as_ref().as_ref()));
         Change {
             step: self.of.step,
             force: self.of.variation.as_ref(),
-            stiffness: self.stiffness.as_ref().map(Mat::as_ref),
-            mass: self.mass.as_ref().map(Mat::as_ref),
+            stiffness: looked_at(&self.stiffness).collect(),
+            mass: looked_at(&self.mass).collect(),
             load: Some(&self.load),
         }
     }
@@ -346,20 +349,15 @@ impl<'a> Sensitivities<'a> {
     /// [`Error::Derivatives`] where the static state has a singular tangent.
     pub(super) fn try_new(
         neighbours: &'a [Neighbours],
-        reduced: &ReducedModel,
+        reduced: &'a ReducedModel,
         assembled: &InterfaceForce<'_>,
         prestress: &Prestress<State>,
     ) -> Result<Self, Error> {
-        let Some(stiffness) = reduced.stiffness.as_ref().dense() else {
-            return Err(Error::Derivatives {
-                of: "a structure in blocks of its joints; a `model.coupling_tolerance` of 0 makes its matrices dense",
-            });
-        };
         let ingredients: Vec<Ingredients<'_>> = neighbours.iter().map(|one| one.ingredients(reduced)).collect();
         let changes: Vec<_> = ingredients.iter().map(Ingredients::change).collect();
-        let statics = static_rates(stiffness, assembled, prestress, &changes);
+        let statics = static_rates(&reduced.stiffness, assembled, prestress, &changes);
         let statics = statics.ok_or(Error::Derivatives {
-            of: "the static state, whose tangent is singular",
+            of: "the static state, whose tangent is singular, or too far from that with everything in contact stuck",
         })?;
         Ok(Self { ingredients, statics })
     }

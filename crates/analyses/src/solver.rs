@@ -10,7 +10,7 @@ use super::sensitivities::{Neighbours, Sensitivities};
 use super::tightening::{TighteningResult, tighten};
 use super::walks::{AtRest, Beside, Walks};
 use crate::Error;
-use cqsma_solver::NewtonSettings;
+use cqsma_solver::{HystereticForce, NewtonSettings};
 use dense_algebra::Limits;
 use joints::interface::{InterfaceForce, SceneInterface};
 use joints::progress::{Progress, Quiet, Stage, end_stage};
@@ -240,12 +240,21 @@ impl Solver<'_> {
 
         let vibration = Vibration::of(about, &modes, kept(scene, self.options)?, &mut checkpoints, progress)?;
         let frequencies = line.frequencies();
+        let of_interfaces = || {
+            let operators = interface.operators();
+            let nodes = interface.points_of_laws().map(|points| operators.nodes_of(points));
+            nodes.map(|nodes| 3 * nodes.start..3 * nodes.end)
+        };
+        let by_interface = (0..frequencies.len())
+            .map(|mode| line.by_stiffness(force.pattern(), mode, of_interfaces()))
+            .collect();
         let flexibility_bytes = line.preconditioner_bytes();
         drop(line);
         Ok(Analysis {
             prestress,
             tightening,
             frequencies,
+            by_interface,
             flexibility_bytes,
             modes,
             vibration,

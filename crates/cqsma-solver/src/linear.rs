@@ -411,6 +411,31 @@ pub(crate) fn solve_krylov(
     None
 }
 
+/// Solves `(stiffness + tangent) x = b`, or the bordered system, by GMRES up to `tolerance` (relative, energy norm), and directly where that is not
+/// reached; `None` if the matrix is numerically singular, or is in blocks and GMRES does not do.
+pub(crate) fn solve(
+    stuck: &Stuck,
+    stiffness: SystemMatrixRef<'_>,
+    pattern: PatternView<'_>,
+    tangent: &[f64],
+    border: Option<&Border<'_>>,
+    b: &[f64],
+    tolerance: f64,
+) -> Option<Vec<f64>> {
+    let mut start = stuck.response(b);
+    if let Some(border) = border {
+        border.project(&mut start);
+    }
+    let norm = start.norm();
+    if norm == 0.0 {
+        return Some(start.v);
+    }
+    match solve_krylov(stuck, pattern, tangent, border, &start, norm, tolerance) {
+        Some((motion, _)) => Some(motion.v),
+        None => solve_direct(stiffness, pattern, tangent, border, b),
+    }
+}
+
 /// Solutions of `(P + dT)^T x = r` for several right-hand sides, on `1 + P^-1 dT^T` in the inner product of `P`. They have much in common:
 /// points that slip.
 pub(crate) struct TransposedSolves<'a> {

@@ -8,6 +8,7 @@ use crate::newton::Equilibrium;
 use contact_laws::Sticking;
 use dense_algebra::{Inner, Limits, SystemMatrixRef, dot};
 use faer::Mat;
+use std::ops::Range;
 
 /// The prestressed structure, ready for its loops.
 #[derive(Clone, Debug)]
@@ -137,6 +138,23 @@ impl<'a, S> Linearisation<'a, S> {
     pub fn damper_coefficient(&self, mode: usize) -> f64 {
         let shape = self.shapes.col_as_slice(mode);
         self.dampers.iter().map(|damper| dot(damper, shape).powi(2)).sum()
+    }
+
+    /// Derivatives of the logarithm of the frequency of a mode, zero-based, with respect to those of the stiffness of parts of the contact, each over a range
+    /// of coordinates of its own (-): half of what each has of the energy of the mode, `phi^T T phi / (2 omega^2)`. `pattern` is that of the force.
+    pub fn by_stiffness(
+        &self,
+        pattern: PatternView<'_>,
+        mode: usize,
+        parts: impl IntoIterator<Item = Range<usize>>,
+    ) -> Vec<f64> {
+        let shape = self.shapes.col_as_slice(mode);
+        let mut force = vec![0.0; shape.len()];
+        pattern.add_product(&self.tangent, shape, &mut force);
+        let parts = parts.into_iter();
+        parts
+            .map(|part| 0.5 * dot(&force[part.clone()], &shape[part]) / self.eigenvalues[mode])
+            .collect()
     }
 
     /// Damping ratio of a mode, zero-based, by the dampers alone: their coefficient over `2 omega`; zero of a mode without stiffness.

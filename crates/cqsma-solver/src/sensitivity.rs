@@ -25,13 +25,12 @@
 
 use crate::force::HystereticForce;
 use crate::hysteresis::Loop;
-use crate::linear::TransposedSolves;
+use crate::linear::{Border, Stuck, TransposedSolves, solve, symmetrised};
 use crate::modes::{Linearisation, Mode};
 use crate::path::Path;
 use crate::prestress::Prestress;
 use contact_laws::{Sticking, WayBack};
 use dense_algebra::{SystemMatrixRef, dot};
-use faer::{Mat, MatRef};
 
 /// Accuracy of the linear solves, relative in the energy norm. Damping is the small difference of large parts, and so is its derivative.
 const TOLERANCE: f64 = 1e-9;
@@ -102,10 +101,10 @@ pub struct Change<'a, F: DifferentiableForce> {
     pub step: f64,
     /// The force; none if it does not depend on the parameter.
     pub force: Option<&'a F::Parameter>,
-    /// Of the stiffness.
-    pub stiffness: Option<MatRef<'a, f64>>,
-    /// Of the mass.
-    pub mass: Option<MatRef<'a, f64>>,
+    /// Of the stiffness: the sum of these factors times matrices.
+    pub stiffness: Vec<(f64, SystemMatrixRef<'a>)>,
+    /// Of the mass, likewise.
+    pub mass: Vec<(f64, SystemMatrixRef<'a>)>,
     /// Of the static load.
     pub load: Option<&'a [f64]>,
 }
@@ -166,59 +165,56 @@ impl<'a, F: DifferentiableForce> Local<'a, F> {
     }
 }
 
-/// `y -= a x` for matrices that may be absent.
-fn subtract_product(a: Option<MatRef<'_, f64>>, x: &[f64], y: &mut [f64]) {
-    if let Some(a) = a {
-        let mut product = vec![0.0; y.len()];
-        SystemMatrixRef::Dense(a).multiply(x, &mut product);
-        y.iter_mut().zip(product).for_each(|(y, product)| *y -= product);
+/// `y += factor a x` for the sum `a` of factors times matrices.
+pub fn add_product(factor: f64, a: &[(f64, SystemMatrixRef<'_>)], x: &[f64], y: &mut [f64]) {
+    let mut product = vec![0.0; y.len()];
+    for (own, matrix) in a {
+        matrix.multiply(x, &mut product);
+        y.iter_mut()
+            .zip(&product)
+            .for_each(|(y, product)| *y += factor * own * product);
     }
 }
 
 /// Changes of the static state under `force`, whose changes are those of `changes` beside those of the stiffness and the load. `None` if
-/// the tangent there is singular.
-pub fn static_rates<F: DifferentiableForce>(
-    stiffness: MatRef<'_, f64>,
+/// the tangent there is singular, or a linear system in blocks is not solved.
+pub fn static_rates<'a, F: DifferentiableForce>(
+    stiffness: impl Into<SystemMatrixRef<'a>>,
     force: &F,
     prestress: &Prestress<F::State>,
     changes: &[Change<'_, F>],
 ) -> Option<Vec<StaticRate<F::State>>> {
+    let (stiffness, pattern) = (stiffness.into(), force.pattern());
     let (u, nc) = (&prestress.displacement, force.n_dofs());
     let rest = force.initial_state();
     let mut local = Local::new(force);
-    let mut tangent = vec![0.0; force.pattern().indices.len()];
-    force.evaluate(
-        &u[..nc],
-        Sticking::Coulomb,
-        &rest,
-        &mut local.end,
-        &mut local.workspace,
-        &mut local.contact,
-        Some(&mut tangent),
-    );
-    let (mut begins, mut rights) = (Vec::new(), Vec::new());
-    for change in changes {
+    let [full, tangent] = [Sticking::Full, Sticking::Coulomb].map(|sticking| {
+        let mut tangent = vec![0.0; pattern.indices.len()];
+        let Local {
+            end,
+            workspace,
+            contact,
+            ..
+        } = &mut local;
+        force.evaluate(&u[..nc], sticking, &rest, end, workspace, contact, Some(&mut tangent));
+        tangent
+    });
+    let stuck = Stuck::try_new(stiffness, pattern, &symmetrised(pattern, &full), force.reflections()).ok()?;
+    let of_change = |change: &Change<'_, F>| {
         let begin = change
             .force
             .map_or_else(|| force.no_change(), |parameter| force.initial_change(parameter));
         let mut right = change.load.map_or_else(|| vec![0.0; u.len()], <[f64]>::to_vec);
-        subtract_product(change.stiffness, u, &mut right);
+        add_product(-1.0, &change.stiffness, u, &mut right);
         let mut d_end = force.no_change();
         let carried = local.along(&u[..nc], &rest, &vec![0.0; nc], &begin, change.force, &mut d_end);
         right.iter_mut().zip(carried).for_each(|(r, f)| *r -= f);
-        begins.push(begin);
-        rights.push(right);
-    }
-    let rights: Vec<&[f64]> = rights.iter().map(Vec::as_slice).collect();
-    let matrix = force.pattern().added_to(stiffness, &tangent);
-    let found = dense_algebra::solve_general_all(matrix, &rights)?;
-    let rates = found.into_iter().zip(begins).zip(changes);
-    let rates = rates.map(|((displacement, begin), change)| {
+        let displacement = solve(&stuck, stiffness, pattern, &tangent, None, &right, TOLERANCE)?;
         let mut state = force.no_change();
         local.along(&u[..nc], &rest, &displacement[..nc], &begin, change.force, &mut state);
-        StaticRate { displacement, state }
-    });
-    Some(rates.collect())
+        Some(StaticRate { displacement, state })
+    };
+    changes.iter().map(of_change).collect()
 }
 
 /// Change of a mode per unit of a parameter.
@@ -275,11 +271,7 @@ impl<'a, F: DifferentiableForce> Derivatives<'a, F> {
         let parameters = parameters.map(|((change, given), mode)| {
             let mut unit = vec![0.0; n];
             structure.mass.multiply(&mode.shape, &mut unit);
-            if let Some(mass) = change.mass {
-                let mut own = vec![0.0; n];
-                SystemMatrixRef::Dense(mass).multiply(&followed.shape, &mut own);
-                unit.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
-            }
+            add_product(1.0, &change.mass, &followed.shape, &mut unit);
             let state = StaticRate {
                 displacement: given.displacement[..nc].to_vec(),
                 state: given.state.clone(),
@@ -336,15 +328,12 @@ fn mode_rates<F: DifferentiableForce>(
     let pattern = force.pattern();
     let mut workspace = force.workspace();
     let mut tangent = vec![0.0; pattern.indices.len()];
-    let mut rights = Vec::with_capacity(changes.len());
-    let mut eigenvalues = Vec::with_capacity(changes.len());
-    // The border has the unit of the matrix.
-    let mass = structure.mass.dense()?;
-    let matrix = pattern.added_to(structure.stiffness.dense()?, &structure.tangent);
-    let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |m, v| m.max(v.abs()));
-    let scale = largest(&mut matrix.diagonal().column_vector().iter().copied())
-        / largest(&mut mode.unit.force.iter().copied()).max(f64::MIN_POSITIVE);
-    for (change, state) in changes.iter().zip(statics) {
+    let border = Border {
+        mass: structure.mass,
+        lambda,
+        inertia: &structure.stuck.response(&mode.unit.force),
+    };
+    let of_change = |(change, state): (&Change<'_, F>, &StaticRate<F::State>)| {
         let mut rate = vec![0.0; tangent.len()];
         for side in [1.0, -1.0] {
             let u = structure.displacement[..nc].iter().zip(&state.displacement);
@@ -361,35 +350,30 @@ fn mode_rates<F: DifferentiableForce>(
         let mut right = vec![0.0; n];
         pattern.add_product(&rate, phi, &mut right);
         right.iter_mut().for_each(|r| *r = -*r);
-        subtract_product(change.stiffness, phi, &mut right);
-        let mut of_mass = 0.0;
-        if let Some(mass) = change.mass {
-            let mut own = vec![0.0; n];
-            SystemMatrixRef::Dense(mass).multiply(phi, &mut own);
-            of_mass = dot(&own, phi);
-            right.iter_mut().zip(own).for_each(|(r, own)| *r += lambda * own);
-        }
+        add_product(-1.0, &change.stiffness, phi, &mut right);
+        let mut own = vec![0.0; n];
+        add_product(1.0, &change.mass, phi, &mut own);
+        let along = -0.5 * dot(&own, phi);
+        right.iter_mut().zip(own).for_each(|(r, own)| *r += lambda * own);
         let eigenvalue = -dot(&right, phi);
         right
             .iter_mut()
             .zip(&mode.unit.force)
             .for_each(|(r, m)| *r += eigenvalue * m);
-        right.push(-0.5 * scale * of_mass);
-        rights.push(right);
-        eigenvalues.push(eigenvalue);
-    }
-    let bordered = Mat::from_fn(n + 1, n + 1, |i, j| match (i == n, j == n) {
-        (false, false) => matrix[(i, j)] - lambda * mass[(i, j)],
-        (true, true) => 0.0,
-        _ => scale * mode.unit.force[i.min(j)],
-    });
-    let rights: Vec<&[f64]> = rights.iter().map(Vec::as_slice).collect();
-    let found = dense_algebra::solve_general_all(bordered, &rights)?;
-    let rates = found.into_iter().zip(eigenvalues).map(|(mut shape, eigenvalue)| {
-        shape.truncate(n);
-        ModeRate { eigenvalue, shape }
-    });
-    Some(rates.collect())
+        let mut shape = solve(
+            &structure.stuck,
+            structure.stiffness,
+            pattern,
+            &structure.tangent,
+            Some(&border),
+            &right,
+            TOLERANCE,
+        )?;
+        // The mass-normalised shape keeps its length as the mass changes.
+        shape.iter_mut().zip(phi).for_each(|(s, phi)| *s += along * phi);
+        Some(ModeRate { eigenvalue, shape })
+    };
+    changes.iter().zip(statics).map(of_change).collect()
 }
 
 /// Remembers a loop for its derivatives.
@@ -482,7 +466,7 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 let mut right: Vec<f64> = parameter.unit.iter().map(|unit| vertex.at * unit).collect();
                 let terms = right.iter_mut().zip(&parameter.reference);
                 terms.for_each(|(r, reference)| *r += reference);
-                subtract_product(parameter.change.stiffness, &vertex.v, &mut right);
+                add_product(-1.0, &parameter.change.stiffness, &vertex.v, &mut right);
                 let amplitude = dot(&parameter.unit, &vertex.v);
                 for (goal, sum) in sum.iter_mut().enumerate() {
                     *sum += weight[goal] * amplitude + dot(&forces[goal], &right) + by_parameter[goal][at];

@@ -23,9 +23,9 @@ use crate::force::{DifferentiablePointwiseForce, PointwiseForce};
 use crate::harmonics::{Harmonics, add_rotated};
 use crate::load::Load;
 use cqsma_solver::Linearisation;
-use cqsma_solver::sensitivity::ParameterRate;
+use cqsma_solver::sensitivity::{ParameterRate, add_product};
 use dense_algebra::{Inverse, Packed, Vector, dot};
-use faer::{Mat, MatRef};
+use faer::Mat;
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
@@ -152,13 +152,6 @@ pub(crate) struct System<'a, F: PointwiseForce> {
     damped: Vec<f64>,
     pub(crate) load: Load,
     sampling: Sampling,
-}
-
-/// `y += a x`.
-fn add_product(a: MatRef<'_, f64>, x: &[f64], y: &mut [f64]) {
-    for (j, &x) in x.iter().enumerate() {
-        y.iter_mut().zip(a.col(j).iter()).for_each(|(y, a)| *y += a * x);
-    }
 }
 
 /// How derivatives of the contact forces along a change of the motion are found.
@@ -497,9 +490,7 @@ impl<'a, F: PointwiseForce> System<'a, F> {
         F: DifferentiablePointwiseForce,
     {
         let mut change = self.contact.parameter_change(&unknown.v, rate);
-        if let Some(stiffness) = rate.change.stiffness {
-            change.each_column(|column, y| add_product(stiffness, unknown.v.column(column), y));
-        }
+        change.each_column(|column, y| add_product(1.0, &rate.change.stiffness, unknown.v.column(column), y));
         if let Some(inertia) = self.inertia_change(unknown, rate) {
             let [a, b, _] = unknown.parameters;
             self.add_inertia(&inertia, a, b, &mut change);
@@ -512,14 +503,14 @@ impl<'a, F: PointwiseForce> System<'a, F> {
     where
         F: DifferentiablePointwiseForce,
     {
-        let mass = rate.change.mass?;
+        let mass = &rate.change.mass;
         let mut inertia = Harmonics::zeros(unknown.v.size(), unknown.v.count());
         inertia.each_column(|column, y| {
             if column > 0 {
-                add_product(mass, unknown.v.column(column), y);
+                add_product(1.0, mass, unknown.v.column(column), y);
             }
         });
-        Some(inertia)
+        (!mass.is_empty()).then_some(inertia)
     }
 
     /// Computes `p` from `v` and the stiffness.

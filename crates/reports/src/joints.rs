@@ -39,9 +39,12 @@ pub(crate) static ANALYSIS: Analysis = Analysis {
                     svg: svg.into(),
                     caption: caption(last),
                 }],
-                remarks: vec![format!(
-                    "Slip, contact and dissipation of each interface at all amplitudes: {JOINTS}."
-                )],
+                remarks: stiffest(summary)
+                    .into_iter()
+                    .chain([format!(
+                        "Slip, contact and dissipation of each interface at all amplitudes: {JOINTS}."
+                    )])
+                    .collect(),
                 ..Section::default()
             });
         }
@@ -134,6 +137,21 @@ fn draw(root: &Canvas<'_>, shown: &[&JointSummary]) -> Result<(), Drawing> {
         root.draw(&Text::new(told, (end + 8, top + 2), style.clone()))?;
     }
     Ok(())
+}
+
+/// The interface whose stiffness the first mode followed depends on most.
+fn stiffest(summary: &Summary) -> Option<String> {
+    let mode = summary.answer.first()?.mode;
+    let found = summary.modes.get(mode - 1)?.dln_frequency_by_interface.iter();
+    let (part, change) = summary
+        .interfaces
+        .iter()
+        .zip(found)
+        .max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    Some(format!(
+        "The frequency of mode {mode} follows the stiffness of `{}` most: {:.2} % where that changes by 1 %.",
+        part.name, change
+    ))
 }
 
 /// What the terminal says.

@@ -306,6 +306,10 @@ pub struct PrestressSummary {
 pub struct ModeSummary {
     /// Frequency (Hz).
     pub frequency_hz: f64,
+    /// Derivative of its logarithm with respect to that of the stiffness of each interface with everything in contact stuck, in the order of
+    /// `interfaces` (-): half of what the interface has of the strain energy of the mode. Missing in older summaries.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub dln_frequency_by_interface: Vec<f64>,
 }
 
 /// One amplitude of a method beside CQSMA; `null` where it did not converge.
@@ -463,10 +467,11 @@ impl Summary {
             },
             torque: run.scene.torque_report(reduced.loads.len()),
             tightening: run.tightening.clone(),
-            modes: run
-                .frequencies
-                .iter()
-                .map(|&frequency_hz| ModeSummary { frequency_hz })
+            modes: (run.frequencies.iter().zip(&run.by_interface))
+                .map(|(&frequency_hz, by_interface)| ModeSummary {
+                    frequency_hz,
+                    dln_frequency_by_interface: by_interface.clone(),
+                })
                 .collect(),
             connections: run.connections.clone(),
             backbone: backbone(run.first(), &run.scene, &run.parts),

@@ -3,7 +3,7 @@
 
 use crate::common::BENCHMARKS;
 use analyses::results::summary::Summary;
-use analyses::{Error, Run, run};
+use analyses::{Run, run};
 use bolted_structures::{Chain, Flange, Frame};
 use dense_algebra::SystemMatrix;
 use joints::Options;
@@ -326,17 +326,74 @@ fn patterns_of_names_and_bolts_are_the_joints_written_one_by_one() {
 }
 
 #[test]
-fn what_blocks_cannot_do_is_refused_by_name() {
-    let folder = TemporaryFolder::new("many-joints-refused");
-    let scene = chain(&folder, 2, |value| {
-        value["model"]["coupling_tolerance"] = json!(1e-7);
-        value["analyses"]["sensitivities"] = json!(["interfaces.mu"]);
-    });
-    let Err(error) = run(&scene, &Options::default(), &Silent) else {
-        panic!("there are no derivatives of blocks");
+fn the_stiffness_of_each_joint_changes_frequencies_as_its_energy_says() {
+    let folder = TemporaryFolder::new("many-joints-stiffness");
+    let with = |factor: f64| {
+        let elastic = |normal: f64| {
+            json!({ "surface": { "parameters": { "per": "interface", "sets": [{ "curves": { "elastic": {
+                "normal_stiffness": normal, "tangential_stiffness": [0.7 * normal, 0.5 * normal] } } }] } } })
+        };
+        found(&chain(&folder, 2, |value| {
+            value["model"]["coupling_tolerance"] = json!(1e-7);
+            value["interfaces"]["each"] = json!([elastic(3e11), elastic(1e12 * factor)]);
+            value["analyses"]["backbone"]["amplitudes"] = json!(0);
+        }))
     };
-    assert!(matches!(error, Error::Derivatives { .. }));
-    assert!(error.to_string().contains("model.coupling_tolerance"), "{error}");
+    let step: f64 = 1e-3;
+    let [below, own, above] = [-step, 0.0, step].map(|change| with(change.exp()));
+    let sides = above.frequencies.iter().zip(&below.frequencies);
+    for ((above, below), told) in sides.zip(&own.by_interface) {
+        let change = (above / below).ln() / (2.0 * step);
+        assert!(told.len() == 2 && told.iter().all(|part| *part > 0.0) && told.iter().sum::<f64>() < 0.5);
+        assert!((told[1] / change - 1.0).abs() < 1e-5, "{} for {change}", told[1]);
+    }
+}
+
+#[test]
+fn derivatives_by_blocks_are_those_by_dense_matrices() {
+    let folder = TemporaryFolder::new("many-joints-derivatives");
+    let with = |tolerance: f64| {
+        let scene = chain(&folder, 2, |value| {
+            value["model"]["coupling_tolerance"] = json!(tolerance);
+            value["bolts"]["behaviour"] = json!("dead-load");
+            let material = "model.material";
+            value["analyses"]["sensitivities"] = json!([
+                "interfaces.mu",
+                "bolts.load",
+                format!("{material}.youngs_modulus"),
+                format!("{material}.poisson_ratio")
+            ]);
+            value["analyses"]["epmc"] =
+                json!({ "harmonics": 3, "modal_amplitudes": { "number": 2, "from": 1e-6, "to": 1e-5 } });
+        });
+        summary(&found(&scene))
+    };
+    let (dense, blocks) = (with(0.0), with(1e-7));
+    let all = |summary: &Value| summary["sensitivities"].as_array().unwrap().clone();
+    assert_eq!(all(&dense).len(), 8);
+    let mut compared = 0;
+    for (own, other) in all(&dense).iter().zip(all(&blocks)) {
+        assert_eq!(own["by"], "implicit-differentiation");
+        for field in ["dln_linear_frequency", "dln_mode_shape", "dln_frequency", "dln_damping"] {
+            let (a, b) = (numbers(own, field), numbers(&other, field));
+            assert_eq!(a.len(), b.len());
+            compared += a.len();
+            for (a, b) in a.iter().zip(&b) {
+                let (method, parameter) = (&own["method"], &own["parameter"]);
+                assert!(
+                    (a - b).abs() < 1e-4 * a.abs() + 1e-8,
+                    "{method} {parameter} {field}: {a} and {b}"
+                );
+            }
+        }
+    }
+    // One each of the mode, and three and two amplitudes with frequency and damping.
+    assert_eq!(compared, 4 * (2 + 2 * 3) + 4 * (2 + 2 * 2));
+}
+
+#[test]
+fn what_does_not_fit_blocks_is_refused_by_name() {
+    let folder = TemporaryFolder::new("many-joints-refused");
     // A structure of one interface has nothing to couple.
     let value = json!({
         "units": { "length": "mm", "mass": "t", "time": "s" },

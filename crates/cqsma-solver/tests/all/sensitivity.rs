@@ -112,8 +112,8 @@ fn rates(forces: &[f64]) -> Vec<Vec<LoopRate>> {
             .map(|which| Change {
                 step,
                 force: sliders[which].as_ref(),
-                stiffness: Some(matrices[which][0].as_ref()),
-                mass: Some(matrices[which][1].as_ref()),
+                stiffness: vec![(1.0, matrices[which][0].as_ref().into())],
+                mass: vec![(1.0, matrices[which][1].as_ref().into())],
                 load: Some(&loads[which]),
             })
             .collect()
@@ -227,8 +227,8 @@ fn the_limit_of_a_frictional_bar_scales_its_amplitude() {
         vec![Change {
             step,
             force: Some(&by_limit),
-            stiffness: None,
-            mass: None,
+            stiffness: Vec::new(),
+            mass: Vec::new(),
             load: None,
         }]
     };
