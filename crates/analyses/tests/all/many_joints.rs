@@ -326,6 +326,21 @@ fn patterns_of_names_and_bolts_are_the_joints_written_one_by_one() {
 }
 
 #[test]
+fn a_bolt_of_another_material_is_another_structure_to_the_cache() {
+    let folder = TemporaryFolder::new("many-joints-bolts");
+    let with = |modulus: f64| {
+        let scene = chain(&folder, 1, |value| {
+            for bolt in value["structure"]["mesh"]["bolts"].as_array_mut().unwrap() {
+                bolt["material"] = json!({ "youngs_modulus": modulus, "poisson_ratio": 0.3, "density": 7800 });
+            }
+        });
+        Structure::try_new(&scene, &Silent).unwrap().hash(None).finish()
+    };
+    assert_eq!(with(2e11), with(2e11));
+    assert_ne!(with(2e11), with(1e11));
+}
+
+#[test]
 fn the_stiffness_of_each_joint_changes_frequencies_as_its_energy_says() {
     let folder = TemporaryFolder::new("many-joints-stiffness");
     let with = |factor: f64| {

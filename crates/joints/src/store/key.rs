@@ -2,6 +2,7 @@
 
 use file_io::durable::hex;
 use sha2::{Digest, Sha256};
+use sprs::CsMat;
 
 /// Changes whenever the meaning of the stored numbers or the way they are computed does.
 const VERSION: u32 = 3;
@@ -42,6 +43,13 @@ impl KeyBuilder {
             self.0.update(value.to_le_bytes());
         }
         self.0.update([0xff]);
+    }
+
+    /// Adds a sparse matrix.
+    pub fn matrix(&mut self, matrix: &CsMat<f64>) {
+        self.integers(matrix.indptr().raw_storage().iter().map(|&i| i as u64));
+        self.integers(matrix.indices().iter().map(|&i| i as u64));
+        self.numbers(matrix.data().iter().copied());
     }
 
     /// Adds a text.

@@ -9,7 +9,7 @@ use crate::store::Options;
 use crate::store::cache;
 use crate::store::key::{Key, KeyBuilder};
 use finite_elements::assemble::System;
-use finite_elements::mesh::Cell;
+use finite_elements::mesh::{Assembly, Cell};
 use joint_model::{Bodies, Excited, ImportedBodies, MeshedBodies, Sides};
 use reduction::checks::{self, ReducedSpectrum};
 use reduction::{Limits, ReducedModel, RelativeSystem, Settings, Step, reduce, reduce_with_modes};
@@ -338,55 +338,80 @@ impl Structure {
         key.integers([u64::from(self.locks)]);
         match &self.joint.bodies {
             Bodies::Imported(bodies) => {
-                let relative = &bodies.relative;
-                for matrix in [&relative.stiffness, &relative.mass] {
-                    key.integers(matrix.indptr().raw_storage().iter().map(|&i| i as u64));
-                    key.integers(matrix.indices().iter().map(|&i| i as u64));
-                    key.numbers(matrix.data().iter().copied());
-                }
-                key.numbers(relative.loads.iter().flatten().chain(&bodies.response).copied());
-                for excited in &bodies.excitations {
+                // Fields by name, here and below, so that none is forgotten.
+                let ImportedBodies {
+                    relative,
+                    response,
+                    excitations,
+                    dampers,
+                    is_reduced,
+                    zero_energy_modes,
+                    mass,
+                } = bodies;
+                key.matrix(&relative.stiffness);
+                key.matrix(&relative.mass);
+                key.numbers(relative.loads.iter().flatten().chain(response).copied());
+                for excited in excitations {
                     key.numbers(excited.row.iter().chain(&excited.carried).copied());
                 }
-                key.numbers(bodies.dampers.iter().flatten().copied());
-                key.text(&format!("{:?}", (relative.n_relative, bodies.mass)));
+                key.numbers(dampers.iter().flatten().copied());
+                key.text(&format!(
+                    "{:?}",
+                    (relative.n_relative, is_reduced, zero_energy_modes, mass)
+                ));
             }
             Bodies::Meshed(bodies) => {
-                let assembly = &bodies.assembly;
-                key.numbers(assembly.mesh.nodes.iter().flatten().copied());
-                key.integers(assembly.mesh.elements.iter().flat_map(|e| {
+                let MeshedBodies {
+                    assembly,
+                    sides,
+                    response_node,
+                    response_direction,
+                    excitations,
+                    moved_pairs: _,
+                    raised: _,
+                    rigid_motions,
+                } = bodies;
+                let Assembly {
+                    mesh,
+                    ties,
+                    couplings,
+                    shanks,
+                    cuts,
+                    rigid_masses,
+                    equations,
+                    supports,
+                    springs,
+                    masses,
+                    loads,
+                } = assembly;
+                key.numbers(mesh.nodes.iter().flatten().copied());
+                key.integers(mesh.elements.iter().flat_map(|e| {
                     e.cell
                         .nodes()
                         .iter()
                         .map(|&n| u64::from(n))
                         .chain([u64::from(e.material), kind(&e.cell)])
                 }));
-                match &bodies.sides {
+                match sides {
                     Sides::Pairs { top, bottom } => key.integers(top.iter().chain(bottom).map(|&n| u64::from(n))),
                     Sides::Projected(parts) => {
                         for part in parts {
                             let nodes = part.own.iter().chain(&part.other);
                             key.integers(nodes.map(|&n| u64::from(n)).chain([u64::from(part.own_is_top)]));
-                            key.integers(part.projection.indices().iter().map(|&i| i as u64));
-                            key.numbers(part.projection.data().iter().copied());
+                            key.matrix(&part.projection);
                         }
                     }
                 }
-                key.numbers(bodies.response_direction);
-                key.text(&format!("{:?}", bodies.excitations));
                 // Small parts, where a readable form costs nothing.
                 key.text(&format!(
-                    "{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
-                    assembly.mesh.materials,
-                    assembly.ties,
-                    assembly.couplings,
-                    assembly.equations,
-                    assembly.loads,
-                    assembly.supports,
-                    assembly.springs,
-                    assembly.masses,
-                    bodies.response_node,
+                    "{:?}",
+                    (response_node, response_direction, excitations, rigid_motions)
                 ));
+                key.text(&format!(
+                    "{:?}",
+                    (&mesh.materials, ties, couplings, shanks, cuts, rigid_masses)
+                ));
+                key.text(&format!("{:?}", (equations, supports, springs, masses, loads)));
             }
         }
         key
