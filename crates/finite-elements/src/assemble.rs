@@ -90,6 +90,19 @@ impl System {
                 momentum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
             }
         }
+        let mut first_inner = 3 * assembly.mesh.nodes.len() + 6 * assembly.couplings.len() + assembly.n_pretensions();
+        for body in &assembly.superelements {
+            let rigid = body.in_rigid_motions(dofs.coordinates.len(), body.motions(&dofs.coordinates))?;
+            let transform = body.transform(&dofs, first_inner);
+            first_inner += body.n_inner();
+            stiffness = sum(&stiffness, 1.0, &congruence(&transform, &body.stiffness));
+            mass = sum(&mass, 1.0, &congruence(&transform, &body.mass));
+            total_mass += rigid.mass.iter().sum::<f64>() / 3.0;
+            for (momentum, own) in momenta.iter_mut().zip(&rigid.momenta) {
+                let own = multiply_vector(&transform.transpose_view().to_csr(), own);
+                momentum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+            }
+        }
         refuse_loose(assembly, &dofs, &stiffness)?;
         let loads = assembly
             .loads

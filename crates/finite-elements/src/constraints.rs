@@ -15,13 +15,13 @@ type Combination = Vec<(usize, f64)>;
 pub struct DofMap {
     /// `u_nodes = transform * u`, shape `3 n_nodes x n_independent`.
     pub transform: CsMat<f64>,
-    /// Motions of the reference points of kinematic couplings (m, rad) and the overlaps of shanks and cuts (m):
-    /// `u_reference = references * u`, shape `(6 n_couplings + n_pretensions) x n_independent`. Rows of distributing couplings
+    /// Motions of the reference points of kinematic couplings (m, rad), the overlaps of shanks and cuts (m) and inner coordinates of superelements:
+    /// `u_reference = references * u`, shape `(6 n_couplings + n_pretensions + n_inner) x n_independent`. Rows of distributing couplings
     /// are empty: their reference points follow the nodes.
     references: CsMat<f64>,
     /// For each independent component `3 node + component` of the displacement that it stands for, or, beyond the nodes,
-    /// `3 n_nodes + 6 coupling + component` of a kinematic coupling's reference point, and then `3 n_nodes + 6 n_couplings +
-    /// pretension` of an overlap.
+    /// `3 n_nodes + 6 coupling + component` of a kinematic coupling's reference point, then `3 n_nodes + 6 n_couplings +
+    /// pretension` of an overlap, and after these the inner coordinates of superelements.
     pub independent: Vec<usize>,
     /// Node coordinates after slaves were moved onto the surfaces they are tied to (m).
     pub coordinates: Vec<[f64; 3]>,
@@ -137,7 +137,7 @@ impl DofMap {
             .enumerate()
             .filter(|(_, coupling)| matches!(coupling.kind, CouplingKind::Kinematic(_)))
             .flat_map(|(index, _)| (0..6).map(move |c| n_nodal + 6 * index + c))
-            .chain((0..assembly.n_pretensions()).map(|pretension| n_beyond_nodes + pretension))
+            .chain(n_beyond_nodes..n_beyond_nodes + assembly.n_pretensions() + assembly.n_inner())
             .collect();
         let independent: Vec<usize> = (0..n_nodal)
             .chain(references.iter().copied())
@@ -164,9 +164,21 @@ impl DofMap {
         let references = rows(
             &mut references.iter().copied(),
             n_nodal,
-            6 * assembly.couplings.len() + assembly.n_pretensions(),
+            6 * assembly.couplings.len() + assembly.n_pretensions() + assembly.n_inner(),
         )?;
+        // Inner coordinates are where the nodes of their superelement are.
+        let inner: Vec<[f64; 3]> = (assembly.superelements.iter())
+            .flat_map(|body| {
+                let nodes = body.nodes();
+                let at = nodes.iter().filter_map(|&node| coordinates.get(node as usize));
+                let sum = at.fold([0.0; 3], |sum, x| [0, 1, 2].map(|c| sum[c] + x[c] / nodes.len() as f64));
+                std::iter::repeat_n(sum, body.n_inner())
+            })
+            .collect();
         let middle = |pretension: usize| {
+            if let Some(at) = pretension.checked_sub(assembly.n_pretensions()) {
+                return inner[at];
+            }
             let Some(shank) = assembly.shanks.get(pretension) else {
                 let pair = assembly.cuts[pretension - assembly.shanks.len()].pairs.first();
                 return pair.map_or([0.0; 3], |[first, _]| coordinates[*first as usize]);

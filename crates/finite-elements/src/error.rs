@@ -150,6 +150,14 @@ pub enum Error {
         /// What is wrong.
         reason: &'static str,
     },
+    /// A superelement that is no body, or does not fit the mesh.
+    #[error("superelement `{superelement}`: {reason}")]
+    Superelement {
+        /// Its name.
+        superelement: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// An element that cannot become quadratic.
     #[error("element {element} is a {element_type}; only linear elements (Hex8, Wedge6, Tet4) can be made quadratic")]
     NotLinear {

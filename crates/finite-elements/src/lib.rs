@@ -24,6 +24,7 @@ mod rigid;
 pub mod sets;
 mod shank;
 pub mod sparse;
+mod superelement;
 
 pub use error::{DeckProblem, Error, Position};
 pub use quadratic::Quadratic;

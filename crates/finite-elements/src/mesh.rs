@@ -1,4 +1,4 @@
-//! Solid meshes and the assemblies made of them: materials, ties, couplings, shanks, equations, supports, masses and loads.
+//! Solid meshes and the assemblies made of them: materials, ties, couplings, shanks, equations, supports, masses, superelements and loads.
 
 use crate::Error;
 use crate::elements::{Formulation, Sides};
@@ -6,6 +6,7 @@ use crate::elements::{Formulation, Sides};
 pub use crate::elements::{Cell, Face};
 pub use crate::material::Material;
 pub use crate::shank::{RigidMass, Section, Shank};
+pub use crate::superelement::Superelement;
 
 /// A solid element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -225,6 +226,8 @@ pub struct Assembly {
     pub springs: Vec<GroundSpring>,
     /// Masses at nodes, beside those of the elements.
     pub masses: Vec<PointMass>,
+    /// Bodies by their matrices.
+    pub superelements: Vec<Superelement>,
     /// Load patterns.
     pub loads: Vec<LoadPattern>,
 }
@@ -233,6 +236,11 @@ impl Assembly {
     /// Number of overlaps ([`Dof::Pretension`]).
     pub fn n_pretensions(&self) -> usize {
         self.shanks.len() + self.cuts.len()
+    }
+
+    /// Inner coordinates of all superelements.
+    pub fn n_inner(&self) -> usize {
+        self.superelements.iter().map(Superelement::n_inner).sum()
     }
 
     /// Adds a shank and returns its overlap. Overlaps of cuts count after those of shanks: what refers to them in supports, equations and
@@ -286,6 +294,12 @@ impl Assembly {
         }
         for point in &mut self.masses {
             point.mass *= mass;
+        }
+        for body in &mut self.superelements {
+            let matrices = [&mut body.stiffness, &mut body.mass].into_iter();
+            matrices
+                .flat_map(|matrix| matrix.data_mut())
+                .for_each(|value| *value *= mass);
         }
         for shank in &mut self.shanks {
             shank.convert_units(length, mass);

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::constraints::{DofMap, expand};
-use crate::mesh::{Assembly, CouplingKind, Dof};
+use crate::mesh::{Assembly, CouplingKind, Dof, Superelement};
 use crate::sets::DisjointSets;
 use crate::shank::deformations;
 use nalgebra::{DVector, Vector3};
@@ -15,13 +15,14 @@ impl Assembly {
     /// Number of rigid motions that cost no energy: six of each free structure, fewer where supports and springs to the ground
     /// hold it. Mechanisms count too: of two bodies on a hinge one motion more is left.
     ///
-    /// A body is what elements that share nodes form. Ties, couplings, equations, shanks and cuts connect bodies; shanks and cuts
+    /// A body is what elements and superelements that share nodes form. Ties, couplings, equations, shanks and cuts connect bodies; shanks and cuts
     /// with their overlap held.
     ///
     /// # Errors
     /// As [`Mesh::validate`](crate::mesh::Mesh::validate) and [`DofMap::try_new`]; of shanks without axis.
     pub fn rigid_motions(&self) -> Result<usize, Error> {
         self.mesh.validate()?;
+        (self.superelements.iter()).try_for_each(|body| body.validate(self.mesh.nodes.len()))?;
         let dofs = DofMap::try_new(self)?;
         let motions = Motions::new(self, &dofs);
         let mut held = Held::new(motions.count);
@@ -38,6 +39,23 @@ impl Assembly {
         for spring in &self.springs {
             let at = Dof::Node(spring.node, spring.component);
             held.insert(&motions, &expand(self, &dofs.coordinates, "a ground spring", at)?);
+        }
+        for body in &self.superelements {
+            let Some(&first) = body.nodes().first() else {
+                continue;
+            };
+            let at = motions.of[3 * first as usize][0].0;
+            let amounts = |node: u32, component: u8| {
+                let mut amounts = [0.0; 6];
+                for &(motion, value) in &motions.of[3 * node as usize + usize::from(component)] {
+                    amounts[motion - at] = value;
+                }
+                amounts
+            };
+            for row in body.in_rigid_motions(dofs.coordinates.len(), amounts)?.resisted {
+                let scale = row.iter().fold(0.0, |m: f64, value| m.max(value.abs()));
+                held.insert_row((at..).zip(row).collect(), scale);
+            }
         }
         for shank in &self.shanks {
             let (length, axes) = shank.frame(&self.couplings)?;
@@ -73,7 +91,9 @@ struct Motions {
 impl Motions {
     fn new(assembly: &Assembly, dofs: &DofMap) -> Self {
         let nodes = &dofs.coordinates;
+        let by_matrices: Vec<Vec<u32>> = assembly.superelements.iter().map(Superelement::nodes).collect();
         let cells = assembly.mesh.elements.iter().map(|element| element.cell.nodes());
+        let cells = cells.chain(by_matrices.iter().map(Vec::as_slice));
         let mut bodies = DisjointSets::of_groups(nodes.len(), cells.clone());
         let mut used = vec![false; nodes.len()];
         cells.flatten().for_each(|&node| used[node as usize] = true);
@@ -119,8 +139,11 @@ impl Motions {
                 }
             }
         }
-        // Overlaps are held.
-        of.extend(std::iter::repeat_n(Vec::new(), assembly.n_pretensions()));
+        // Overlaps are held, and inner coordinates follow.
+        of.extend(std::iter::repeat_n(
+            Vec::new(),
+            assembly.n_pretensions() + assembly.n_inner(),
+        ));
         Self { of, count }
     }
 }
@@ -150,6 +173,11 @@ impl Held {
                 scale = scale.max((coefficient * value).abs());
             }
         }
+        self.insert_row(row, scale);
+    }
+
+    /// `sum coefficient * motion = 0`, whose terms had magnitudes up to `scale`.
+    fn insert_row(&mut self, row: BTreeMap<usize, f64>, scale: f64) {
         if scale > 0.0 {
             let (on, values): (Vec<usize>, Vec<f64>) = row.into_iter().unzip();
             let basis = self.groups.entry(on).or_default();

@@ -56,7 +56,9 @@ pub use interfaces::{Interfaces, OwnInterface};
 pub use json::{parse as parse_json, read as read_json, without_comments};
 pub use law::{Bins, Friction, FrictionZone, Law, LawKind, RadialRule, Yield};
 pub use material::Material;
-pub use mesh::{BoltSeat, MeshBolt, MeshFile, MeshInterface, MeshResponse, MeshSupport, MeshTie, Repeat};
+pub use mesh::{
+    BoltSeat, MeshBolt, MeshFile, MeshInterface, MeshResponse, MeshSuperelement, MeshSupport, MeshTie, Repeat,
+};
 pub use parameter::{Influence, Parameter};
 pub use random::{Random, RandomInTime};
 pub use refinement::refined;

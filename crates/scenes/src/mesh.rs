@@ -31,6 +31,9 @@ pub struct MeshFile {
     /// Surfaces that are glued together; their meshes need not match.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ties: Vec<MeshTie>,
+    /// Bodies, or parts of bodies, that come as matrices of another program and are joined to nodes of the mesh.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub superelements: Vec<MeshSuperelement>,
     /// What holds the structure; none if it is free.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub supports: Vec<MeshSupport>,
@@ -191,6 +194,25 @@ pub struct MeshTie {
     /// How far they may be apart (length); by default a twentieth of the longest edge of the master.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub within: Option<Length>,
+}
+
+/// A body, or a part of one, by its stiffness and mass. It is joined to the nodes of the mesh that have the labels in its map of degrees of freedom; retained
+/// modes, rotations and other nodes move inside of it. The mesh keeps the elements that it comes with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct MeshSuperelement {
+    /// A file or folder as of `structure.matrices`; in a scene file relative to its folder.
+    pub path: PathBuf,
+    /// Its units, of which that of mass matters; by default those of the scene.
+    #[serde(default = "Units::in_use")]
+    pub units: Units,
+    /// What is added to the labels of its nodes, so that one file serves several equal bodies.
+    #[serde(default)]
+    pub label_offset: i64,
+    /// Whether supports of its own are in its stiffness. Otherwise it must let its nodes move rigidly, which is checked.
+    #[serde(default)]
+    pub held: bool,
 }
 
 /// A part of the structure that is held.

@@ -360,11 +360,14 @@ impl Scene {
 
     /// All paths in the scene.
     fn paths(&mut self) -> impl Iterator<Item = &mut std::path::PathBuf> {
-        let structure = match &mut self.structure.source {
-            StructureSource::Deck(deck) => Some(&mut deck.path),
-            StructureSource::Mesh(mesh) => Some(&mut mesh.path),
-            StructureSource::Matrices(matrices) => Some(&mut matrices.path),
-            StructureSource::Benchmark(_) => None,
+        let structure: Vec<&mut std::path::PathBuf> = match &mut self.structure.source {
+            StructureSource::Deck(deck) => vec![&mut deck.path],
+            StructureSource::Mesh(mesh) => {
+                let superelements = mesh.superelements.iter_mut().map(|body| &mut body.path);
+                std::iter::once(&mut mesh.path).chain(superelements).collect()
+            }
+            StructureSource::Matrices(matrices) => vec![&mut matrices.path],
+            StructureSource::Benchmark(_) => Vec::new(),
         };
         let Interfaces { surface, each, .. } = &mut self.interfaces;
         let own = each.iter_mut().filter_map(|own| own.surface.as_mut());

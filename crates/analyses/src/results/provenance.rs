@@ -86,7 +86,7 @@ pub enum InputRole {
     DeckInclude,
     /// The mesh.
     Mesh,
-    /// Matrices of the structure.
+    /// Matrices of the structure, or of a body.
     Matrices,
     /// Scan of the top face.
     TopScan,
@@ -192,6 +192,10 @@ pub fn inputs_of(scene: &Scene) -> Result<Vec<Input>, Error> {
         StructureSource::Mesh(mesh) => {
             let all = SolidMesh::files(&mesh.path)?;
             files.extend(all.into_iter().map(|path| (InputRole::Mesh, path)));
+            for body in &mesh.superelements {
+                let all = matrix_files_of(&body.path);
+                files.extend(all.into_iter().map(|path| (InputRole::Matrices, path)));
+            }
         }
         StructureSource::Matrices(matrices) => {
             let all = matrix_files_of(&matrices.path);

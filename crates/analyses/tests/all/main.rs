@@ -33,6 +33,7 @@ mod scans;
 mod scenes;
 mod sensitivities;
 mod stiff_contact;
+mod superelements;
 mod sweeps;
 mod symmetry;
 mod tightening;

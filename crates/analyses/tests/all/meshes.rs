@@ -85,8 +85,8 @@ impl Box3 {
 
 /// Two plates that overlap by 80 mm of their 120 mm, the upper one meshed with `upper` elements, the lower one with `lower`.
 pub(crate) struct Lap {
-    mesh: Mesh,
-    faces: Vec<Group<Face>>,
+    pub(crate) mesh: Mesh,
+    pub(crate) faces: Vec<Group<Face>>,
 }
 
 pub(crate) fn lap(upper: [usize; 3], lower: [usize; 3]) -> Lap {

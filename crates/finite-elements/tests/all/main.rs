@@ -13,3 +13,4 @@ mod quadratic;
 mod shanks;
 mod solid_mesh;
 mod structures;
+mod superelements;

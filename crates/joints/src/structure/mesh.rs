@@ -5,6 +5,8 @@ use super::excited::{excited, require_held};
 use super::facing::{Facing, Surfaces};
 use super::material::material;
 use super::rigid_motions::rigid_motions;
+
+use super::superelements;
 use super::survey::{body_name, smooth};
 use super::touching;
 use crate::Error;
@@ -24,7 +26,7 @@ use scenes::{
 use sprs::CsMat;
 use std::borrow::Cow;
 use std::cell::OnceCell;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use zte_assembly::InterfaceMesh;
 
 /// How far apart faces that are tied or touch may be by default, relative to the longest edge (of the master).
@@ -55,6 +57,19 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
     };
     for tie in &source.ties {
         assembly.ties.push(file.tie(tie)?);
+    }
+    if !source.superelements.is_empty() {
+        let labels = file.mesh.labels.iter().copied();
+        let nodes: HashMap<u64, u32> = labels.zip(0..).collect();
+        if nodes.len() < file.mesh.labels.len() {
+            return file.fail(
+                "structure.mesh.superelements".into(),
+                "several nodes of the mesh have the same label, as in decks with instances; write the mesh without instances",
+            );
+        }
+        for body in &source.superelements {
+            assembly.superelements.push(superelements::read(body, &nodes, notes)?);
+        }
     }
     for (number, support) in (1..).zip(&source.supports) {
         file.support(number, support, &mut assembly)?;
@@ -90,6 +105,13 @@ pub(super) fn joint(source: &MeshFile, scene: &Scene, notes: &mut dyn FnMut(&str
                 "{linear} of {all} elements are linear; they stay as they are, since only a mesh that is linear as a whole can be made quadratic"
             ));
             None
+        }
+        ElementOrder::Quadratic if !source.superelements.is_empty() => {
+            return file.fail(
+                "structure.mesh.superelements".into(),
+                "linear elements that become quadratic have nodes in the middles of edges, which the superelements do not know; give \
+                 model.element_order = \"linear\", or a mesh of quadratic elements",
+            );
         }
         ElementOrder::Quadratic => {
             let sides = surfaces

@@ -21,6 +21,7 @@ mod reduced;
 mod rigid_motions;
 mod shape;
 mod spectrum;
+mod superelements;
 mod surface;
 pub mod survey;
 mod touching;

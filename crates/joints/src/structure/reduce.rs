@@ -383,6 +383,7 @@ impl Structure {
                     springs,
                     masses,
                     loads,
+                    superelements,
                 } = assembly;
                 key.numbers(mesh.nodes.iter().flatten().copied());
                 key.integers(mesh.elements.iter().flat_map(|e| {
@@ -401,6 +402,11 @@ impl Structure {
                             key.matrix(&part.projection);
                         }
                     }
+                }
+                for body in superelements {
+                    key.text(&format!("{:?}", (&body.name, &body.coordinates, body.is_held)));
+                    key.matrix(&body.stiffness);
+                    key.matrix(&body.mass);
                 }
                 // Small parts, where a readable form costs nothing.
                 key.text(&format!(

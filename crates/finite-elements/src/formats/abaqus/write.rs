@@ -19,7 +19,7 @@ const ENTRIES: usize = 16;
 /// [`crate::mesh::BeyondTolerance`] has no keyword: both codes leave such slaves free.
 ///
 /// # Errors
-/// [`Error::NotWritable`] for shanks, cuts and rigid masses, elements without a name in decks ([`crate::elements::ElementType::formulations`]), faces that are no element's, components and nodes
+/// [`Error::NotWritable`] for shanks, cuts, rigid masses and superelements, elements without a name in decks ([`crate::elements::ElementType::formulations`]), faces that are no element's, components and nodes
 /// that do not exist; [`Error::NotFinite`]; errors of [`crate::mesh::Mesh::validate`].
 pub fn write(assembly: &Assembly, surfaces: &[Group<Face>], node_sets: &[Group<u32>]) -> Result<String, Error> {
     let mut deck = Writer {
@@ -41,6 +41,12 @@ pub fn write(assembly: &Assembly, surfaces: &[Group<Face>], node_sets: &[Group<u
         return refuse(
             "rigid mass 0".to_owned(),
             "masses at reference points have no place in the written deck; put the mass at a node of the cloud",
+        );
+    }
+    if let Some(body) = assembly.superelements.first() {
+        return refuse(
+            format!("superelement `{}`", body.name),
+            "matrices have no place in the written deck; name the file of the superelement in the code that reads it",
         );
     }
     deck.nodes()?;

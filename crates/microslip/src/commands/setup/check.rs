@@ -176,6 +176,12 @@ impl Checker {
     fn require_files(&self, scene: &Scene) -> Result<(), Fault> {
         let mut named: Vec<(&str, &Path)> = Vec::new();
         named.extend(scene.structure.mesh().map(|mesh| ("structure.mesh.path", &*mesh.path)));
+        let superelements = scene.structure.mesh().map_or(&[][..], |mesh| &mesh.superelements);
+        named.extend(
+            superelements
+                .iter()
+                .map(|body| ("structure.mesh.superelements", &*body.path)),
+        );
         for surface in scene.interfaces.surfaces() {
             if let Surface::Scans(scans) = surface {
                 named.push(("interfaces.surface.scans.0", &scans.top.path));
