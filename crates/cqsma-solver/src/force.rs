@@ -33,13 +33,23 @@ impl PatternView<'_> {
     pub fn add_product(self, values: &[f64], x: &[f64], y: &mut [f64]) {
         for (row, y) in y.iter_mut().enumerate().take(self.indptr.len() - 1) {
             let range = self.indptr[row]..self.indptr[row + 1];
-            *y += self.indices[range.clone()]
-                .iter()
-                .zip(&values[range])
-                .map(|(&j, v)| v * x[j])
-                .sum::<f64>();
+            *y += gathered(&self.indices[range.clone()], &values[range], x);
         }
     }
+}
+
+/// `sum values x[indices]`, in sums that need not wait for one another.
+fn gathered(indices: &[usize], values: &[f64], x: &[f64]) -> f64 {
+    let (indices, last) = indices.as_chunks::<4>();
+    let (values, own) = values.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for (indices, values) in indices.iter().zip(values) {
+        for (sum, (&j, value)) in sums.iter_mut().zip(indices.iter().zip(values)) {
+            *sum += value * x[j];
+        }
+    }
+    let rest: f64 = last.iter().zip(own).map(|(&j, value)| value * x[j]).sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
 impl PatternView<'_> {

@@ -91,6 +91,20 @@ pub struct Failure {
     pub reason: Reason,
     /// Residual relative to the load at each iteration.
     pub history: Vec<f64>,
+    /// Coordinate of the contact with the largest part of the last residual's energy; none where nothing was out of balance.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub coordinate: Option<usize>,
+}
+
+impl Failure {
+    /// One that is no matter of a residual.
+    pub(crate) fn of(reason: Reason, history: Vec<f64>) -> Self {
+        Self {
+            reason,
+            history,
+            coordinate: None,
+        }
+    }
 }
 
 /// Iterations that a sequence of solves may take, and those that each equilibrium found adds. Three to six each is usual.
@@ -235,6 +249,14 @@ impl<F: HystereticForce> Sequence<F> {
         }
     }
 
+    /// The contact coordinate with the largest part of the residual's energy.
+    fn least_balanced(&self) -> Option<usize> {
+        let Motion { v, p } = &self.residual;
+        let energies = p.iter().zip(v).take(self.contact.len()).map(|(p, v)| (p * v).abs());
+        let largest = energies.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
+        largest.filter(|(_, energy)| *energy > 0.0).map(|(at, _)| at)
+    }
+
     /// Makes the history reached by the last solve the one that later solves start from.
     pub(crate) fn commit(&mut self) {
         std::mem::swap(&mut self.begin, &mut self.end);
@@ -358,7 +380,14 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
         settings: &NewtonSettings,
     ) -> Result<Converged, Failure> {
         let mut history = Vec::new();
-        let fail = |reason, history| Err(Failure { reason, history });
+        let fail = |reason, history, sequence: &Sequence<F>| {
+            let coordinate = sequence.least_balanced();
+            Err(Failure {
+                reason,
+                history,
+                coordinate,
+            })
+        };
         let target = (settings.tolerance * goal.scale).max(self.round_off.energy);
         sequence.trial.copy_from(&sequence.motion);
         let (mut merit, mut counts) = self.evaluate(sequence, goal);
@@ -369,7 +398,7 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
         loop {
             history.push(merit / goal.scale);
             if !merit.is_finite() {
-                return fail(Reason::NotFinite, history);
+                return fail(Reason::NotFinite, history, sequence);
             }
             let is_small = merit <= target;
             if is_small {
@@ -388,15 +417,15 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
             }
             let or_unbalanced = |reason| if is_small { Reason::Unbalanced } else { reason };
             if stalled > 3 {
-                return fail(or_unbalanced(Reason::Stalled), history);
+                return fail(or_unbalanced(Reason::Stalled), history, sequence);
             }
             if self.limits.stops() {
-                return fail(Reason::Interrupted, history);
+                return fail(Reason::Interrupted, history, sequence);
             }
             self.limits
                 .done((history[0] * goal.scale / merit).ln() / (history[0] * goal.scale / target).ln());
             if iteration == settings.max_iterations {
-                return fail(or_unbalanced(Reason::IterationLimit), history);
+                return fail(or_unbalanced(Reason::IterationLimit), history, sequence);
             }
             sequence.effort.iterations += 1;
             // Far from the solution an accurate step is wasted; near it the forcing term follows the residual, which
@@ -411,7 +440,7 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
                     SystemMatrixRef::Dense(_) => Reason::Singular,
                     SystemMatrixRef::Blocks(_) => Reason::Unsolved,
                 };
-                return fail(or_unbalanced(reason), history);
+                return fail(or_unbalanced(reason), history, sequence);
             };
             let mut length = 1.0;
             let mut best = (f64::INFINITY, 1.0);
@@ -430,7 +459,7 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
                     // No descent along this direction: a kink. Take the best point seen, unless it is far worse, and let
                     // the tangent there show another side of it.
                     if best.0 > 2.0 * history[iteration] * goal.scale {
-                        return fail(or_unbalanced(Reason::Stalled), history);
+                        return fail(or_unbalanced(Reason::Stalled), history, sequence);
                     }
                     stalled += 1;
                     sequence.trial.copy_from(&sequence.motion);

@@ -87,10 +87,8 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         // Residuals below round-off count as converged, which says nothing where round-off is as large as the load. Without
         // any load there is nothing to compare with.
         if scale > 0.0 && self.equilibrium.round_off.energy > LARGEST_ROUND_OFF * scale {
-            return Err(Failure {
-                reason: Reason::BelowRoundOff,
-                history: vec![self.equilibrium.round_off.energy / scale],
-            });
+            let share = self.equilibrium.round_off.energy / scale;
+            return Err(Failure::of(Reason::BelowRoundOff, vec![share]));
         }
         let goal = Goal {
             factor,
@@ -124,10 +122,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         mass.multiply(known, &mut inertia);
         let common = dot(&self.sequence.motion.v, &inertia) / factor;
         if common * common < SAME_MODE * dot(known, &inertia) {
-            return Err(Failure {
-                reason: Reason::OtherMode,
-                history: Vec::new(),
-            });
+            return Err(Failure::of(Reason::OtherMode, Vec::new()));
         }
         Ok(counts)
     }
@@ -138,10 +133,7 @@ impl<'a, F: HystereticForce> Path<'a, F> {
         let mut counts = RegimeCounts::default();
         while let Some(&next) = targets.last() {
             if !self.sequence.effort.is_within_budget() {
-                return Err(Failure {
-                    reason: Reason::Budget,
-                    history: Vec::new(),
-                });
+                return Err(Failure::of(Reason::Budget, Vec::new()));
             }
             let (from, origin) = (self.at, self.sequence.motion.clone());
             let step = next - from;

@@ -20,7 +20,7 @@ use crate::uncertainty::Uncertainty;
 use crate::validity::Validity;
 use crate::warnings::Warning;
 use crate::{AmplitudeResult, Connection, ModeBackbone, Run, Sensitivity, TighteningResult};
-use cqsma_solver::Reason;
+use cqsma_solver::{Failure, Reason};
 use dense_algebra::SystemMatrix;
 use harmonic_balance::backbone::Point;
 use joint_model::MovedPairs;
@@ -28,7 +28,7 @@ use joint_model::benchmark::Symmetry;
 use joint_model::quadratic::RaisedElements;
 use joints::interface::{LawReport, PartReport};
 use joints::structure::Overview;
-use scenes::{BoltBehaviour, EPMC, PRESETS, Preset, Scene, Shock, StructureSource, TorqueReport};
+use scenes::{BoltBehaviour, EPMC, PRESETS, Preset, Shock, StructureSource, TorqueReport};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
@@ -474,7 +474,7 @@ impl Summary {
                 })
                 .collect(),
             connections: run.connections.clone(),
-            backbone: backbone(run.first(), &run.scene, &run.parts),
+            backbone: backbone(run.first(), run),
             measured: measured(run.first(), run),
             methods: methods(run.first()),
             backbones: match run.backbones.as_slice() {
@@ -703,7 +703,7 @@ fn mode_backbone(of: &ModeBackbone, run: &Run) -> ModeBackboneSummary {
     ModeBackboneSummary {
         mode: of.mode,
         frequency_hz: run.frequencies[of.mode - 1],
-        backbone: backbone(of, &run.scene, &run.parts),
+        backbone: backbone(of, run),
         methods: methods(of),
         measured: measured(of, run),
         validity: of.validity.clone(),
@@ -712,7 +712,7 @@ fn mode_backbone(of: &ModeBackbone, run: &Run) -> ModeBackboneSummary {
 
 /// Measured backbones of a mode: those to which no other mode followed is nearer in frequency.
 fn measured(of: &ModeBackbone, run: &Run) -> Vec<MeasuredSummary> {
-    let computed = backbone(of, &run.scene, &run.parts);
+    let computed = backbone(of, run);
     let computed = computed.iter().filter_map(|point| {
         Some(comparison::Point {
             amplitude: point.response_motion?,
@@ -794,20 +794,16 @@ fn periodic(point: &Point, response_displacement: Option<f64>, background: f64) 
     }
 }
 
-fn backbone(of: &ModeBackbone, scene: &Scene, parts: &[PartReport]) -> Vec<BackboneSummary> {
+fn backbone(of: &ModeBackbone, run: &Run) -> Vec<BackboneSummary> {
     let holds = of.validity.separation_modal_force.unwrap_or(f64::INFINITY);
     (of.amplitudes.iter())
-        .map(|amplitude| backbone_point(amplitude, scene, parts, [of.background, holds]))
+        .map(|amplitude| backbone_point(amplitude, run, [of.background, holds]))
         .collect()
 }
 
 /// `background` is the damping ratio apart from friction, `holds` the modal force up to which bolts can hold the structure together.
-fn backbone_point(
-    amplitude: &AmplitudeResult,
-    scene: &Scene,
-    parts: &[PartReport],
-    [background, holds]: [f64; 2],
-) -> BackboneSummary {
+fn backbone_point(amplitude: &AmplitudeResult, run: &Run, [background, holds]: [f64; 2]) -> BackboneSummary {
+    let (scene, parts) = (&run.scene, &run.parts);
     let point = &amplitude.point;
     let result = point.result.as_ref().ok();
     let fields = amplitude.fields.as_ref();
@@ -865,6 +861,23 @@ fn backbone_point(
         residual: result.map(|r| r.residual),
         error: amplitude.error.clone(),
         converged: result.is_some(),
-        failure: point.result.as_ref().err().map(|f| f.reason.to_string()),
+        failure: point.result.as_ref().err().map(|failure| told(failure, run)),
+    }
+}
+
+/// Why an amplitude did not converge, and of several interfaces at which one the most is out of balance.
+fn told(failure: &Failure, run: &Run) -> String {
+    let operators = run.interface.operators();
+    let is_at = |points, coordinate: usize| operators.nodes_of(points).contains(&(coordinate / 3));
+    let part = failure
+        .coordinate
+        .filter(|_| run.parts.len() > 1)
+        .and_then(|coordinate| {
+            let mut points = run.interface.points_of_laws();
+            run.parts.get(points.position(|points| is_at(points, coordinate))?)
+        });
+    match part {
+        Some(part) => format!("{}; most of what is out of balance is at interface `{}`", failure.reason, part.name),
+        None => failure.reason.to_string(),
     }
 }

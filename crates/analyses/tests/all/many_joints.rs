@@ -326,10 +326,28 @@ fn patterns_of_names_and_bolts_are_the_joints_written_one_by_one() {
 }
 
 #[test]
+fn a_joint_without_preload_is_named_where_it_does_not_converge() {
+    let folder = TemporaryFolder::new("many-joints-loose");
+    let scene = chain(&folder, 4, |value| {
+        value["model"]["coupling_tolerance"] = json!(1e-7);
+        value["bolts"] = json!({ "loads": ["12 kN", "12 kN", "1 N", "1 N", "12 kN", "12 kN", "12 kN", "12 kN"] });
+        value["analyses"]["backbone"]["amplitude_to"] = json!("1 mm");
+    });
+    let summary = summary(&found(&scene));
+    let amplitudes = summary["backbone"].as_array().unwrap();
+    let failures: Vec<&str> = amplitudes.iter().filter_map(|a| a["failure"].as_str()).collect();
+    assert!(!failures.is_empty() && failures.len() < amplitudes.len());
+    assert!(
+        failures.iter().all(|failure| failure.contains("`lap 2`")),
+        "{failures:?}"
+    );
+}
+
+#[test]
 fn a_bolt_of_another_material_is_another_structure_to_the_cache() {
     let folder = TemporaryFolder::new("many-joints-bolts");
     let with = |modulus: f64| {
-        let scene = chain(&folder, 1, |value| {
+        let scene = chain(&folder, 2, |value| {
             for bolt in value["structure"]["mesh"]["bolts"].as_array_mut().unwrap() {
                 bolt["material"] = json!({ "youngs_modulus": modulus, "poisson_ratio": 0.3, "density": 7800 });
             }

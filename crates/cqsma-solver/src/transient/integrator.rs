@@ -272,10 +272,9 @@ impl<'a, F: HystereticForce> Integrator<'a, F> {
             return Ok(Err(failure));
         }
         if !self.sequence.effort.is_within_budget() {
-            let Failure { history, .. } = failure;
             return Ok(Err(Failure {
                 reason: Reason::Budget,
-                history,
+                ..failure
             }));
         }
         self.halved_steps += 1;
