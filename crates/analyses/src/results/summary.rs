@@ -877,7 +877,10 @@ fn told(failure: &Failure, run: &Run) -> String {
             run.parts.get(points.position(|points| is_at(points, coordinate))?)
         });
     match part {
-        Some(part) => format!("{}; most of what is out of balance is at interface `{}`", failure.reason, part.name),
+        Some(part) => format!(
+            "{}; most of what is out of balance is at interface `{}`",
+            failure.reason, part.name
+        ),
         None => failure.reason.to_string(),
     }
 }

@@ -404,7 +404,7 @@ impl Structure {
                     }
                 }
                 for body in superelements {
-                    key.text(&format!("{:?}", (&body.name, &body.coordinates, body.is_held)));
+                    key.text(&format!("{:?}", (&body.coordinates, body.is_held)));
                     key.matrix(&body.stiffness);
                     key.matrix(&body.mass);
                 }
