@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// History of all points; opaque to solvers, which only swap and clone it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// One block `[component][point]` per law, one after the other.
+    /// One block `[component][point]` per tile, one after the other.
     pub(crate) values: Vec<f64>,
 }
 
@@ -190,11 +190,13 @@ impl Interface {
         );
         let mut laws: Vec<(Range<usize>, Arc<dyn TractionLaw>)> = Vec::new();
         let (mut block, mut size) = (0, 0);
-        for (range, law) in &self.laws {
+        for (index, (range, law)) in self.laws.iter().enumerate() {
             let [x, y, n] = workspace.jump.each_ref().map(|u| &u[range.clone()]);
-            let state = StateView::new(&state.values[block..], range.len(), 0);
-            let linear = LinearisedContact::about(law.as_ref(), Components { x, y, n }, state)?;
-            block += range.len() * law.info().n_state();
+            let mut history = vec![0.0; range.len() * law.info().n_state()];
+            self.copy_history(index, block, 0..range.len(), state, &mut history);
+            block += history.len();
+            let history = StateView::new(&history, range.len(), 0);
+            let linear = LinearisedContact::about(law.as_ref(), Components { x, y, n }, history)?;
             size += range.len() * linear.info().n_state();
             laws.push((range.clone(), Arc::new(linear)));
         }
@@ -335,19 +337,8 @@ impl Interface {
         assert_eq!(force.len(), self.n_dofs());
         self.interpolate_jump(jump, workspace);
         let mut counts = RegimeCounts::default();
-        let mut block = 0;
-        for (range, law) in &self.laws {
-            counts += evaluate_law(
-                law.as_ref(),
-                range,
-                block,
-                sticking,
-                begin,
-                end,
-                workspace,
-                tangent.is_some(),
-            );
-            block += range.len() * law.info().n_state();
+        for tile in self.tiles() {
+            counts += tile.evaluate(sticking, begin, end, workspace, tangent.is_some());
         }
         self.integrate(workspace.traction.each_ref().map(Vec::as_slice), force);
         if let Some(values) = tangent {
@@ -391,11 +382,15 @@ impl Interface {
             history.clear();
             history.extend_from_slice(&d_begin.values);
         }
-        let mut block = 0;
-        for (index, (range, law)) in self.laws.iter().enumerate() {
+        for tile in self.tiles() {
+            let Tile {
+                index,
+                law,
+                points: range,
+                of_law,
+                states,
+            } = tile;
             let stride = range.len();
-            let states = block..block + stride * law.info().n_state();
-            block = states.end;
             let [x, y, n] = at_points.each_ref().map(|v| &v[range.clone()]);
             let [tx, ty, tn] = traction.each_mut().map(|v| &mut v[range.clone()]);
             let [dx, dy, dn] = [&mut *d_x, &mut *d_y, &mut *d_n].map(|v| &mut v[range.clone()]);
@@ -405,8 +400,8 @@ impl Interface {
             let changed = StateViewMut::new(&mut d_end.values[states.clone()], stride, 0);
             match variation {
                 Some(variation) => variation.scalings[index].derivative(
-                    law.as_ref(),
-                    0..stride,
+                    law,
+                    of_law,
                     sticking,
                     Components { x, y, n },
                     begin,
@@ -419,7 +414,7 @@ impl Interface {
                 ),
                 None => {
                     law.derivative(
-                        0..stride,
+                        of_law,
                         sticking,
                         Components { x, y, n },
                         begin,
@@ -467,27 +462,32 @@ impl Interface {
             }
         }
         to_parameters.iter_mut().for_each(|sums| sums.fill(0.0));
-        let mut block = 0;
-        for (index, (range, law)) in self.laws.iter().enumerate() {
+        for tile in self.tiles() {
+            let Tile {
+                index,
+                law,
+                points: range,
+                of_law,
+                states,
+            } = tile;
             let stride = range.len();
-            let states = block..block + stride * law.info().n_state();
-            block = states.end;
             let adjoints = adjoints.iter_mut().zip(&tractions).zip(&mut fields);
             let adjoints = adjoints.map(|((history, traction), jump)| {
                 let [x, y, normal] = jump.each_mut().map(|values| &mut values[range.clone()]);
                 Adjoint {
                     history: StateViewMut::new(&mut history.values[states.clone()], stride, 0),
-                    traction: components(traction, range),
+                    traction: components(traction, &range),
                     jump: ComponentsMut { x, y, n: normal },
                 }
             });
             let mut adjoints: Vec<Adjoint<'_>> = adjoints.collect();
-            let [jump, traction] = [&workspace.jump, &workspace.traction].map(|fields| components(fields, range));
+            let [jump, traction] = [&workspace.jump, &workspace.traction].map(|fields| components(fields, &range));
             let begin = StateView::new(&begin.values[states], stride, 0);
-            law.transposed(0..stride, jump, begin, way, &mut adjoints);
+            law.transposed(of_law.clone(), jump, begin, way, &mut adjoints);
             for (adjoint, sums) in adjoints.iter().zip(&mut *to_parameters) {
                 for (sum, variation) in sums.iter_mut().zip(parameters) {
-                    let part = variation.map(|variation| variation.scalings[index].on_the_way(jump, traction, adjoint));
+                    let part = variation
+                        .map(|variation| variation.scalings[index].on_the_way(of_law.clone(), jump, traction, adjoint));
                     *sum += part.unwrap_or_default();
                 }
             }
@@ -514,17 +514,11 @@ impl Interface {
     /// What a parameter adds to the sum of [`Interface::transposed`] over all steps of a path, by the history that the path begins with and the adjoint
     /// of that.
     pub fn at_start(&self, begin: &State, adjoint: &State, variation: &Variation) -> f64 {
-        let mut block = 0;
-        let laws = self
-            .laws
-            .iter()
-            .zip(&variation.scalings)
-            .map(|((range, law), scaling)| {
-                let states = block..block + range.len() * law.info().n_state();
-                block = states.end;
-                scaling.at_start(&begin.values[states.clone()], &adjoint.values[states])
-            });
-        laws.sum()
+        let of_tile = |tile: Tile<'_>| {
+            let [begin, adjoint] = [begin, adjoint].map(|state| &state.values[tile.states.clone()]);
+            variation.scalings[tile.index].at_start(tile.of_law, begin, adjoint)
+        };
+        self.tiles().map(of_tile).sum()
     }
 
     /// The tangent (N/m) with everything stuck at nodal jumps (m), a history, and the value of a parameter plus `step`.
@@ -542,31 +536,21 @@ impl Interface {
         self.interpolate_jump(jump, workspace);
         let mut begin = begin.clone();
         let mut end = self.no_change();
-        let mut block = 0;
-        for (index, (range, law)) in self.laws.iter().enumerate() {
-            let first = block;
-            block += range.len() * law.info().n_state();
+        for tile in self.tiles() {
+            let (index, range) = (tile.index, &tile.points);
             if let Some((variation, step)) = variation {
                 let part = workspace.jump.each_mut().map(|v| &mut v[range.clone()]);
                 if !variation.gap.is_empty() {
                     let gap = &variation.gap[range.clone()];
                     part[2].iter_mut().zip(gap).for_each(|(n, gap)| *n -= step * gap);
                 }
-                variation.scalings[index].transform(step, part, &mut begin.values[first..block]);
+                let history = &mut begin.values[tile.states.clone()];
+                variation.scalings[index].transform(tile.of_law.clone(), step, part, history);
             }
-            evaluate_law(
-                law.as_ref(),
-                range,
-                first,
-                Sticking::Full,
-                &begin,
-                &mut end,
-                workspace,
-                true,
-            );
+            tile.evaluate(Sticking::Full, &begin, &mut end, workspace, true);
             if let Some((variation, step)) = variation {
                 let part = workspace.tangent.each_mut().map(|v| &mut v[range.clone()]);
-                variation.scalings[index].transform_tangent(step, part);
+                variation.scalings[index].transform_tangent(tile.of_law, step, part);
             }
         }
         self.assemble_tangent(workspace.tangent.each_ref().map(Vec::as_slice), values);
@@ -577,6 +561,41 @@ impl Interface {
         let sizes = self.laws.iter().map(|(range, law)| range.len() * law.info().n_state());
         State {
             values: vec![0.0; sizes.sum()],
+        }
+    }
+
+    /// The points with their histories.
+    fn tiles(&self) -> impl Iterator<Item = Tile<'_>> {
+        let mut block = 0;
+        self.laws.iter().enumerate().flat_map(move |(index, (range, law))| {
+            let (first, n_state) = (block, law.info().n_state());
+            block += range.len() * n_state;
+            (0..range.len()).step_by(TILE).map(move |start| {
+                let of_law = start..range.len().min(start + TILE);
+                Tile {
+                    index,
+                    law: law.as_ref(),
+                    points: range.start + of_law.start..range.start + of_law.end,
+                    states: first + of_law.start * n_state..first + of_law.end * n_state,
+                    of_law,
+                }
+            })
+        })
+    }
+
+    /// Copies the history of some points of a law, whose histories begin at `block`, as `[component][point]`.
+    pub(crate) fn copy_history(&self, law: usize, block: usize, of_law: Range<usize>, state: &State, into: &mut [f64]) {
+        let (range, law) = &self.laws[law];
+        let n_state = law.info().n_state();
+        let first = of_law.start - of_law.start % TILE;
+        for start in (first..of_law.end).step_by(TILE) {
+            let tile = start..range.len().min(start + TILE);
+            let own = of_law.start.max(tile.start)..of_law.end.min(tile.end);
+            for component in 0..n_state {
+                let at = block + n_state * tile.start + component * tile.len() + own.start - tile.start;
+                let to = component * of_law.len() + own.start - of_law.start;
+                into[to..to + own.len()].copy_from_slice(&state.values[at..at + own.len()]);
+            }
         }
     }
 
@@ -685,44 +704,58 @@ fn checked(what: &'static str, quantity: &'static str, lengths: Vec<f64>, expect
     }
 }
 
-fn evaluate_law(
-    law: &dyn TractionLaw,
-    range: &Range<usize>,
-    block: usize,
-    sticking: Sticking,
-    begin: &State,
-    end: &mut State,
-    workspace: &mut Workspace,
-    with_tangent: bool,
-) -> RegimeCounts {
-    let Workspace {
-        jump,
-        traction,
-        regime,
-        tangent,
-        ..
-    } = workspace;
-    let stride = range.len();
-    let states = block..block + stride * law.info().n_state();
-    let [x, y, n] = jump.each_ref().map(|v| &v[range.clone()]);
-    let [tx, ty, tn] = traction.each_mut().map(|v| &mut v[range.clone()]);
-    let entries = tangent.each_mut().map(|v| &mut v[range.clone()]);
-    law.evaluate(
-        0..stride,
-        sticking,
-        Components { x, y, n },
-        StateView {
-            data: &begin.values[states.clone()],
-            stride,
-            offset: 0,
-        },
-        StateViewMut {
-            data: &mut end.values[states],
-            stride,
-            offset: 0,
-        },
-        ComponentsMut { x: tx, y: ty, n: tn },
-        with_tangent.then_some(TangentMut::from_entries(entries)),
-        Some(&mut regime[range.clone()]),
-    )
+/// Most points whose histories stand together: with those of thousands a block of points would have each number of its history on another page of
+/// memory.
+pub(crate) const TILE: usize = 64;
+
+/// Points of one law whose histories are one block `[component][point]`.
+struct Tile<'a> {
+    /// Number of the law.
+    index: usize,
+    law: &'a dyn TractionLaw,
+    /// In the interface.
+    points: Range<usize>,
+    /// In the law.
+    of_law: Range<usize>,
+    /// In the values of a [`State`].
+    states: Range<usize>,
+}
+
+impl Tile<'_> {
+    fn evaluate(
+        &self,
+        sticking: Sticking,
+        begin: &State,
+        end: &mut State,
+        workspace: &mut Workspace,
+        with_tangent: bool,
+    ) -> RegimeCounts {
+        let Self {
+            law,
+            points,
+            of_law,
+            states,
+            ..
+        } = self;
+        let Workspace {
+            jump,
+            traction,
+            regime,
+            tangent,
+            ..
+        } = workspace;
+        let stride = points.len();
+        let [tx, ty, tn] = traction.each_mut().map(|v| &mut v[points.clone()]);
+        let entries = tangent.each_mut().map(|v| &mut v[points.clone()]);
+        law.evaluate(
+            of_law.clone(),
+            sticking,
+            components(jump, points),
+            StateView::new(&begin.values[states.clone()], stride, 0),
+            StateViewMut::new(&mut end.values[states.clone()], stride, 0),
+            ComponentsMut { x: tx, y: ty, n: tn },
+            with_tangent.then_some(TangentMut::from_entries(entries)),
+            Some(&mut regime[points.clone()]),
+        )
+    }
 }

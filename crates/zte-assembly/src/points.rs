@@ -1,11 +1,8 @@
 //! The interface point by point: for methods that follow each point through many load states by itself, such as harmonic balance.
 
-use crate::interface::{Interface, State, Variation};
+use crate::interface::{Interface, State, TILE, Variation};
 use contact_laws::{Components, ComponentsMut, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut};
 use std::ops::Range;
-
-/// Most points of a batch.
-const BATCH: usize = 64;
 
 /// How the points of an interface are divided into batches of points with one law.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -28,8 +25,8 @@ impl Interface {
         let (mut points, mut places) = (Vec::new(), Vec::new());
         let mut block = 0;
         for (index, (range, law)) in self.laws.iter().enumerate() {
-            for from in range.clone().step_by(BATCH) {
-                points.push(from..range.end.min(from + BATCH));
+            for from in range.clone().step_by(TILE) {
+                points.push(from..range.end.min(from + TILE));
                 places.push((index, range.start, block));
             }
             block += range.len() * law.info().n_state();
@@ -45,7 +42,7 @@ impl Interface {
             let from = selected.partition_point(|point| *point < range.start);
             let to = selected.partition_point(|point| *point < range.end);
             for run in selected[from..to].chunk_by(|a, b| a + 1 == *b) {
-                for part in run.chunks(BATCH) {
+                for part in run.chunks(TILE) {
                     points.push(part[0]..part[0] + part.len());
                     places.push((index, range.start, block));
                 }
@@ -66,13 +63,9 @@ impl Interface {
     /// If `into` has another length than the batch's points times [`Interface::batch_states`].
     pub fn copy_state(&self, batches: &Batches, batch: usize, state: &State, into: &mut [f64]) {
         let (law, first, block) = batches.places[batch];
-        let points = batches.points[batch].clone();
-        let stride = self.laws[law].0.len();
-        let offset = points.start - first;
-        for (component, row) in into.chunks_exact_mut(points.len()).enumerate() {
-            let at = block + component * stride + offset;
-            row.copy_from_slice(&state.values[at..at + points.len()]);
-        }
+        let points = &batches.points[batch];
+        assert_eq!(into.len(), points.len() * self.batch_states(batches, batch));
+        self.copy_history(law, block, points.start - first..points.end - first, state, into);
     }
 
     /// Jumps at all points of nodal jumps `jump` (m), without the gap.

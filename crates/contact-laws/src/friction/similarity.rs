@@ -204,17 +204,24 @@ impl Scaling {
     }
 
     /// What a path on the way back through a step finds of the parameter in jumps and tractions: how much the product of the adjoints with them
-    /// grows per unit of the parameter, for all points of the law.
+    /// grows per unit of the parameter, for points of the law.
     ///
     /// Histories take part as well, but each as the end of one step and as the begin of the next, with opposite signs. Of a whole path nothing is left
     /// but [`Self::at_start`].
     ///
     /// # Panics
     /// When a list is shorter than the points.
-    pub fn on_the_way(&self, jump: Components<'_>, traction: Components<'_>, adjoint: &Adjoint<'_>) -> f64 {
+    pub fn on_the_way(
+        &self,
+        points: Range<usize>,
+        jump: Components<'_>,
+        traction: Components<'_>,
+        adjoint: &Adjoint<'_>,
+    ) -> f64 {
+        let rates = &self.points[points];
         let sum = |kinds: [Kind; 3], adjoints: [&[f64]; 3], values: [&[f64]; 3]| {
             let of_kind = |((kind, adjoints), values): ((Kind, &[f64]), &[f64])| {
-                let points = self.points.iter().zip(adjoints).zip(values);
+                let points = rates.iter().zip(adjoints).zip(values);
                 points
                     .map(|((rate, adjoint), value)| rate.of(kind) * adjoint * value)
                     .sum::<f64>()
@@ -229,15 +236,16 @@ impl Scaling {
 
     /// What is left of the histories of a whole path ([`Self::on_the_way`]), by the history that it begins with and the adjoint of that, both
     /// `[component][point]` without holes.
-    pub fn at_start(&self, begin: &[f64], adjoint: &[f64]) -> f64 {
-        let n = self.points.len().max(1);
+    pub fn at_start(&self, points: Range<usize>, begin: &[f64], adjoint: &[f64]) -> f64 {
+        let rates = &self.points[points];
+        let n = rates.len().max(1);
         let components = self
             .kinds
             .iter()
             .zip(begin.chunks_exact(n))
             .zip(adjoint.chunks_exact(n));
         let of_kind = |((&kind, values), adjoints): ((&Kind, &[f64]), &[f64])| {
-            let points = self.points.iter().zip(values).zip(adjoints);
+            let points = rates.iter().zip(values).zip(adjoints);
             points
                 .map(|((rate, value), adjoint)| rate.of(kind) * value * adjoint)
                 .sum::<f64>()
@@ -245,28 +253,28 @@ impl Scaling {
         -components.map(of_kind).sum::<f64>()
     }
 
-    /// Brings jump and begin state, `[component][point]` without holes, into the coordinates in which the law at the parameter's value plus
+    /// Brings jump and begin state of points, `[component][point]` without holes, into the coordinates in which the law at the parameter's value plus
     /// `step` is the law as it is.
-    pub fn transform(&self, step: f64, [x, y, n]: [&mut [f64]; 3], begin: &mut [f64]) {
+    pub fn transform(&self, points: Range<usize>, step: f64, [x, y, n]: [&mut [f64]; 3], begin: &mut [f64]) {
+        let rates = &self.points[points];
         let by = |values: &mut [f64], kind: Kind| {
-            for (value, rate) in values.iter_mut().zip(&self.points) {
+            for (value, rate) in values.iter_mut().zip(rates) {
                 *value *= (-step * rate.of(kind)).exp();
             }
         };
         for (values, kind) in [x, y, n].into_iter().zip(Kind::JUMP) {
             by(values, kind);
         }
-        let points = self.points.len();
-        for (&kind, values) in self.kinds.iter().zip(begin.chunks_exact_mut(points.max(1))) {
+        for (&kind, values) in self.kinds.iter().zip(begin.chunks_exact_mut(rates.len().max(1))) {
             by(values, kind);
         }
     }
 
     /// Brings a tangent (row by row, Pa/m) found in these coordinates back.
-    pub fn transform_tangent(&self, step: f64, tangent: [&mut [f64]; 9]) {
+    pub fn transform_tangent(&self, points: Range<usize>, step: f64, tangent: [&mut [f64]; 9]) {
         for (entry, values) in tangent.into_iter().enumerate() {
             let (row, column) = (Kind::TRACTIONS[entry / 3], Kind::JUMP[entry % 3]);
-            for (value, rate) in values.iter_mut().zip(&self.points) {
+            for (value, rate) in values.iter_mut().zip(&self.points[points.clone()]) {
                 *value *= (step * (rate.of(row) - rate.of(column))).exp();
             }
         }

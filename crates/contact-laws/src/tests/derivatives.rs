@@ -575,9 +575,14 @@ fn scaled_laws_change_as_their_neighbours_do() {
                 WayBack::Committed,
                 &mut adjoints,
             );
-            backwards += scaling.on_the_way(jump, Components::new(&t[0], &t[1], &t[2]), &adjoints[0]);
+            backwards += scaling.on_the_way(
+                0..jump.x.len(),
+                jump,
+                Components::new(&t[0], &t[1], &t[2]),
+                &adjoints[0],
+            );
             if k == 1 {
-                backwards += scaling.at_start(begin, &history_back);
+                backwards += scaling.at_start(0..jump.x.len(), begin, &history_back);
                 backwards += history_back.iter().zip(d_begin).map(|(a, b)| a * b).sum::<f64>();
             }
         }
