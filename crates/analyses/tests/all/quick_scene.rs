@@ -22,19 +22,25 @@ use test_support::TemporaryFolder;
 
 /// Folder with the reduced model that all tests share; the first test in makes it.
 fn cache() -> PathBuf {
-    static READY: OnceLock<PathBuf> = OnceLock::new();
-    READY
-        .get_or_init(|| {
-            let folder = std::env::temp_dir().join(format!("analyses-{}", std::process::id()));
-            let mut first = quick();
-            first.analyses.backbone.amplitudes = 1;
-            run(&first, &Options::cached(&folder), &Silent)
-                .unwrap()
-                .checkpoints
-                .remove();
-            folder
-        })
-        .clone()
+    ready().0.clone()
+}
+
+/// The common cache, and the end of the names of the files that belong to the model of [`quick`].
+fn ready() -> &'static (PathBuf, String) {
+    static READY: OnceLock<(PathBuf, String)> = OnceLock::new();
+    READY.get_or_init(|| {
+        let folder = std::env::temp_dir().join(format!("analyses-{}", std::process::id()));
+        let mut first = quick();
+        first.analyses.backbone.amplitudes = 1;
+        run(&first, &Options::cached(&folder), &Silent)
+            .unwrap()
+            .checkpoints
+            .remove();
+        let reduced = file_of(&folder, "reduced-");
+        let name = reduced.file_name().unwrap().to_string_lossy();
+        let end = name.trim_start_matches("reduced-").to_owned();
+        (folder, end)
+    })
 }
 
 fn quick() -> Scene {
@@ -559,13 +565,11 @@ fn folder_with_model(name: &str) -> TemporaryFolder {
     folder
 }
 
-/// Copies files of the common cache whose names begin so.
+/// Copies the file of the common cache whose name begins so and that belongs to the model of [`quick`]; other tests leave those of other models there.
 fn copy_of_cache(name: &str, folder: &Path) {
-    for entry in std::fs::read_dir(cache()).unwrap().map(Result::unwrap) {
-        if entry.file_name().to_string_lossy().starts_with(name) {
-            std::fs::copy(entry.path(), folder.join(entry.file_name())).unwrap();
-        }
-    }
+    let (cache, end) = ready();
+    let file = format!("{name}{end}");
+    std::fs::copy(cache.join(&file), folder.join(&file)).unwrap();
 }
 
 #[test]
