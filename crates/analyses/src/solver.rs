@@ -240,13 +240,12 @@ impl Solver<'_> {
 
         let vibration = Vibration::of(about, &modes, kept(scene, self.options)?, &mut checkpoints, progress)?;
         let frequencies = line.frequencies();
-        let of_interfaces = || {
-            let operators = interface.operators();
-            let nodes = interface.points_of_laws().map(|points| operators.nodes_of(points));
-            nodes.map(|nodes| 3 * nodes.start..3 * nodes.end)
-        };
+        let nodes = interface
+            .points_of_laws()
+            .map(|points| interface.operators().nodes_of(points));
+        let of_interfaces: Vec<_> = nodes.map(|nodes| 3 * nodes.start..3 * nodes.end).collect();
         let by_interface = (0..frequencies.len())
-            .map(|mode| line.by_stiffness(force.pattern(), mode, of_interfaces()))
+            .map(|mode| line.by_stiffness(force.pattern(), mode, of_interfaces.iter().cloned()))
             .collect();
         let flexibility_bytes = line.preconditioner_bytes();
         drop(line);

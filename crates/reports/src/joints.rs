@@ -142,7 +142,11 @@ fn draw(root: &Canvas<'_>, shown: &[&JointSummary]) -> Result<(), Drawing> {
 /// The interface whose stiffness the first mode followed depends on most.
 fn stiffest(summary: &Summary) -> Option<String> {
     let mode = summary.answer.first()?.mode;
-    let found = summary.modes.get(mode - 1)?.dln_frequency_by_interface.iter();
+    let found = summary
+        .modes
+        .get(mode.checked_sub(1)?)?
+        .dln_frequency_by_interface
+        .iter();
     let (part, change) = summary
         .interfaces
         .iter()

@@ -383,43 +383,34 @@ impl Interface {
             history.extend_from_slice(&d_begin.values);
         }
         for tile in self.tiles() {
-            let Tile {
-                index,
-                law,
-                points: range,
-                of_law,
-                states,
-            } = tile;
-            let stride = range.len();
+            let range = &tile.points;
             let [x, y, n] = at_points.each_ref().map(|v| &v[range.clone()]);
             let [tx, ty, tn] = traction.each_mut().map(|v| &mut v[range.clone()]);
             let [dx, dy, dn] = [&mut *d_x, &mut *d_y, &mut *d_n].map(|v| &mut v[range.clone()]);
             let [dtx, dty, dtn] = [&mut *d_tx, &mut *d_ty, &mut *d_tn].map(|v| &mut v[range.clone()]);
-            let begin = StateView::new(&begin.values[states.clone()], stride, 0);
-            let end = StateViewMut::new(&mut end.values[states.clone()], stride, 0);
-            let changed = StateViewMut::new(&mut d_end.values[states.clone()], stride, 0);
+            let (begin, end, changed) = (tile.history(begin), tile.history_mut(end), tile.history_mut(d_end));
             match variation {
-                Some(variation) => variation.scalings[index].derivative(
-                    law,
-                    of_law,
+                Some(variation) => variation.scalings[tile.index].derivative(
+                    tile.law,
+                    tile.of_law,
                     sticking,
                     Components { x, y, n },
                     begin,
                     ComponentsMut::new(dx, dy, dn),
-                    &mut history[states],
+                    &mut history[tile.states],
                     end,
                     changed,
                     ComponentsMut { x: tx, y: ty, n: tn },
                     ComponentsMut::new(dtx, dty, dtn),
                 ),
                 None => {
-                    law.derivative(
-                        of_law,
+                    tile.law.derivative(
+                        tile.of_law.clone(),
                         sticking,
                         Components { x, y, n },
                         begin,
                         Components::new(dx, dy, dn),
-                        StateView::new(&d_begin.values[states], stride, 0),
+                        tile.history(d_begin),
                         end,
                         changed,
                         ComponentsMut { x: tx, y: ty, n: tn },
@@ -463,31 +454,25 @@ impl Interface {
         }
         to_parameters.iter_mut().for_each(|sums| sums.fill(0.0));
         for tile in self.tiles() {
-            let Tile {
-                index,
-                law,
-                points: range,
-                of_law,
-                states,
-            } = tile;
-            let stride = range.len();
+            let (range, of_law) = (&tile.points, &tile.of_law);
             let adjoints = adjoints.iter_mut().zip(&tractions).zip(&mut fields);
             let adjoints = adjoints.map(|((history, traction), jump)| {
                 let [x, y, normal] = jump.each_mut().map(|values| &mut values[range.clone()]);
                 Adjoint {
-                    history: StateViewMut::new(&mut history.values[states.clone()], stride, 0),
-                    traction: components(traction, &range),
+                    history: tile.history_mut(history),
+                    traction: components(traction, range),
                     jump: ComponentsMut { x, y, n: normal },
                 }
             });
             let mut adjoints: Vec<Adjoint<'_>> = adjoints.collect();
-            let [jump, traction] = [&workspace.jump, &workspace.traction].map(|fields| components(fields, &range));
-            let begin = StateView::new(&begin.values[states], stride, 0);
-            law.transposed(of_law.clone(), jump, begin, way, &mut adjoints);
+            let [jump, traction] = [&workspace.jump, &workspace.traction].map(|fields| components(fields, range));
+            tile.law
+                .transposed(of_law.clone(), jump, tile.history(begin), way, &mut adjoints);
             for (adjoint, sums) in adjoints.iter().zip(&mut *to_parameters) {
                 for (sum, variation) in sums.iter_mut().zip(parameters) {
-                    let part = variation
-                        .map(|variation| variation.scalings[index].on_the_way(of_law.clone(), jump, traction, adjoint));
+                    let part = variation.map(|variation| {
+                        variation.scalings[tile.index].on_the_way(of_law.clone(), jump, traction, adjoint)
+                    });
                     *sum += part.unwrap_or_default();
                 }
             }
@@ -722,6 +707,14 @@ struct Tile<'a> {
 }
 
 impl Tile<'_> {
+    fn history<'s>(&self, of: &'s State) -> StateView<'s> {
+        StateView::new(&of.values[self.states.clone()], self.points.len(), 0)
+    }
+
+    fn history_mut<'s>(&self, of: &'s mut State) -> StateViewMut<'s> {
+        StateViewMut::new(&mut of.values[self.states.clone()], self.points.len(), 0)
+    }
+
     fn evaluate(
         &self,
         sticking: Sticking,
@@ -731,11 +724,7 @@ impl Tile<'_> {
         with_tangent: bool,
     ) -> RegimeCounts {
         let Self {
-            law,
-            points,
-            of_law,
-            states,
-            ..
+            law, points, of_law, ..
         } = self;
         let Workspace {
             jump,
@@ -744,15 +733,14 @@ impl Tile<'_> {
             tangent,
             ..
         } = workspace;
-        let stride = points.len();
         let [tx, ty, tn] = traction.each_mut().map(|v| &mut v[points.clone()]);
         let entries = tangent.each_mut().map(|v| &mut v[points.clone()]);
         law.evaluate(
             of_law.clone(),
             sticking,
             components(jump, points),
-            StateView::new(&begin.values[states.clone()], stride, 0),
-            StateViewMut::new(&mut end.values[states.clone()], stride, 0),
+            self.history(begin),
+            self.history_mut(end),
             ComponentsMut { x: tx, y: ty, n: tn },
             with_tangent.then_some(TangentMut::from_entries(entries)),
             Some(&mut regime[points.clone()]),

@@ -39,11 +39,10 @@ impl Operators {
     /// From the first to the last node that points in a range have a share in.
     pub fn nodes_of(&self, points: Range<usize>) -> Range<usize> {
         let rows = points.filter_map(|point| self.interpolation.outer_view(point));
-        let nodes = rows.flat_map(|row| row.indices().to_vec());
-        let [first, end] = nodes.fold([usize::MAX, 0], |[first, end], node| {
-            [first.min(node), end.max(node + 1)]
-        });
-        first.min(end)..end
+        // Columns ascend.
+        let ends = rows.filter_map(|row| Some([*row.indices().first()?, *row.indices().last()?]));
+        let both = ends.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+        both.map_or(0..0, |[first, last]| first..last + 1)
     }
 
     /// Quadrature points run element by element. A point of contact has one, whatever `points_per_direction` is, with its area as

@@ -141,10 +141,13 @@ fn a_joint_whose_end_comes_as_matrices_is_the_joint_of_the_whole_mesh() {
             .iter()
             .any(|input| input.path.ends_with("end.npz"))
     );
-    let key = || Structure::try_new(&own, &Silent).unwrap().hash(None).finish();
-    let before = key();
+    let key = |scene: &Scene| Structure::try_new(scene, &Silent).unwrap().hash(None).finish();
+    let before = key(&own);
     write(&folder, -700);
-    assert_eq!(key(), before);
+    assert_eq!(key(&own), before);
+    let mut lighter = of_end.clone();
+    lighter[0]["units"]["mass"] = json!("kg");
+    assert_ne!(key(&scene(&folder, "rest.msh", &lighter, |_| ())), before);
 }
 
 #[test]

@@ -734,11 +734,7 @@ impl ResolvedLaw {
             } else {
                 for component in base..dent_base {
                     let [end] = rows.end::<1>(component);
-                    // What is open stays so, as a rule, and to look costs less than to write.
-                    let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
-                    if !end.iter().zip(&fill.0).fold(true, |all, pair| all & same(pair)) {
-                        end.copy_from_slice(&fill.0[..m]);
-                    }
+                    end.copy_from_slice(&fill.0[..m]);
                 }
                 if let Some(Direction { rows, changes, .. }) = &mut direction {
                     for component in base..dent_base {
