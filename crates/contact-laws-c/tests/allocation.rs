@@ -1,31 +1,11 @@
 //! Evaluations and refused evaluations allocate nothing.
 #![allow(unsafe_code)]
 
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::ptr;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use contact_laws::{Choice, HistoryRule, Sticking};
 use contact_laws_c::*;
-
-/// The system's allocator with a count of the blocks handed out.
-struct Counting;
-
-static BLOCKS: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: the system's allocator does the work.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        BLOCKS.fetch_add(1, Ordering::SeqCst);
-        // SAFETY: passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        // SAFETY: passed on.
-        unsafe { System.dealloc(block, layout) }
-    }
-}
+use test_support::memory::{self, Counting};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -34,9 +14,8 @@ static ALLOCATOR: Counting = Counting;
 fn evaluations_do_not_allocate() {
     const N: usize = 1000;
     let (k, mu) = (1e12, 0.2);
-    let made = BLOCKS.load(Ordering::SeqCst);
     // SAFETY: one set of parameters, one friction coefficient, no message.
-    let law = unsafe {
+    let (law, made) = memory::blocks(|| unsafe {
         cl_elastic_dry_friction_law(
             N,
             &k,
@@ -49,9 +28,8 @@ fn evaluations_do_not_allocate() {
             ptr::null_mut(),
             0,
         )
-    };
-    // The count counts.
-    assert!(!law.is_null() && BLOCKS.load(Ordering::SeqCst) > made);
+    });
+    assert!(!law.is_null() && made > 0, "the count counts");
 
     let (jump, begin, mut out) = (vec![1e-6; N], vec![0.0; 5 * N], vec![0.0; (5 + 3 + 9) * N]);
     let (mut regimes, mut counts, mut message) = (vec![0; N], Counts::default(), [0_u8; 100]);
@@ -84,10 +62,8 @@ fn evaluations_do_not_allocate() {
             )
         }
     };
-    let before = BLOCKS.load(Ordering::SeqCst);
-    let statuses = [call(N), call(1), call(N + 1)];
-    let after = BLOCKS.load(Ordering::SeqCst);
-    assert_eq!((statuses, after - before), ([CL_SUCCESS, CL_SUCCESS, CL_ERROR], 0));
+    let (statuses, allocated) = memory::blocks(|| [call(N), call(1), call(N + 1)]);
+    assert_eq!((statuses, allocated), ([CL_SUCCESS, CL_SUCCESS, CL_ERROR], 0));
     assert!(message.starts_with(b"1001 points"));
     // SAFETY: from the constructor.
     unsafe { cl_law_free(law) };

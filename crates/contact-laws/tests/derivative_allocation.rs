@@ -1,30 +1,8 @@
 //! The derivative along a direction allocates nothing.
-#![allow(unsafe_code)]
 #![expect(clippy::unwrap_used, reason = "parameters are valid")]
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use contact_laws::*;
-
-/// The system's allocator with a count of the blocks handed out.
-struct Counting;
-
-static BLOCKS: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: the system's allocator does the work.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        BLOCKS.fetch_add(1, Ordering::SeqCst);
-        // SAFETY: passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        // SAFETY: passed on.
-        unsafe { System.dealloc(block, layout) }
-    }
-}
+use test_support::memory::{self, Counting};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -74,34 +52,33 @@ fn laws() -> Vec<Box<dyn TractionLaw>> {
 
 #[test]
 fn derivatives_do_not_allocate() {
-    let made = BLOCKS.load(Ordering::SeqCst);
-    let laws = laws();
-    assert!(BLOCKS.load(Ordering::SeqCst) > made, "the count counts");
+    let (laws, made) = memory::blocks(laws);
+    assert!(made > laws.len(), "the count counts");
     for law in &laws {
         let n_state = law.info().n_state();
         let (jump, begin) = (vec![2e-6; N], vec![1e-7; n_state * N]);
         let [mut end, mut d_end] = [vec![0.0; n_state * N], vec![0.0; n_state * N]];
         let mut out = vec![0.0; 6 * N];
-        let before = BLOCKS.load(Ordering::SeqCst);
-        for n in [N, 1] {
-            let mut rows = out.chunks_exact_mut(N).map(|row| &mut row[..n]);
-            let [x, y, z, d_x, d_y, d_z] = std::array::from_fn(|_| rows.next().unwrap());
-            let components = || Components::new(&jump[..n], &jump[..n], &jump[..n]);
-            let counts = law.derivative(
-                0..n,
-                Sticking::Coulomb,
-                components(),
-                StateView::new(&begin, N, 0),
-                components(),
-                StateView::new(&begin, N, 0),
-                StateViewMut::new(&mut end, N, 0),
-                StateViewMut::new(&mut d_end, N, 0),
-                ComponentsMut::new(x, y, z),
-                ComponentsMut::new(d_x, d_y, d_z),
-            );
-            assert_eq!(counts.stick + counts.slip, n);
-        }
-        let after = BLOCKS.load(Ordering::SeqCst);
-        assert_eq!(after - before, 0, "{}", law.info().name);
+        let ((), allocated) = memory::blocks(|| {
+            for n in [N, 1] {
+                let mut rows = out.chunks_exact_mut(N).map(|row| &mut row[..n]);
+                let [x, y, z, d_x, d_y, d_z] = std::array::from_fn(|_| rows.next().unwrap());
+                let components = || Components::new(&jump[..n], &jump[..n], &jump[..n]);
+                let counts = law.derivative(
+                    0..n,
+                    Sticking::Coulomb,
+                    components(),
+                    StateView::new(&begin, N, 0),
+                    components(),
+                    StateView::new(&begin, N, 0),
+                    StateViewMut::new(&mut end, N, 0),
+                    StateViewMut::new(&mut d_end, N, 0),
+                    ComponentsMut::new(x, y, z),
+                    ComponentsMut::new(d_x, d_y, d_z),
+                );
+                assert_eq!(counts.stick + counts.slip, n);
+            }
+        });
+        assert_eq!(allocated, 0, "{}", law.info().name);
     }
 }
