@@ -127,7 +127,7 @@ fn pilot(
     };
     prepared.estimate_errors(&mut analysis.modes, bar.as_ref());
     let amplitudes = analysis.modes.iter().flat_map(|mode| &mode.amplitudes);
-    let step = AdaptationStep::of(&pilot, walks::bins(&prepared.interface().reports), amplitudes);
+    let step = AdaptationStep::of(&pilot, walks::bins(&prepared.reports), amplitudes);
     let model = prepared.model;
     Ok((step, Known { structure, model, bar }))
 }

@@ -18,7 +18,7 @@ use super::warnings;
 use crate::Error;
 use dense_algebra::Limits;
 use joint_model::InterfacePart;
-use joints::interface::{InterfaceForce, SceneInterface};
+use joints::interface::{InterfaceForce, PartReport, SceneInterface};
 use joints::progress::{Progress, Silent, Stage, Within, end_stage, go_on};
 use joints::store::Options;
 use joints::structure::{StructuralModel, Structure};
@@ -35,6 +35,8 @@ pub struct Prepared {
     pub(super) joint: JointInfo,
     pub(super) model: StructuralModel,
     pub(super) interface: SceneInterface,
+    /// About the law of each part of the interface.
+    pub(super) reports: Vec<PartReport>,
     /// The mesh of the interface and its parts.
     faces: (InterfaceMesh, Vec<InterfacePart>),
     pub(super) derivatives: Derivatives,
@@ -148,6 +150,7 @@ impl Prepared {
         let interface = SceneInterface::within((options, progress), scene, mesh, parts, load)?;
         interface.notes().for_each(|note| progress.note(&note));
         let interface = Solver::of(&model, options).settled(scene, interface, progress)?;
+        let reports = interface.reports()?;
         end_stage(progress, Stage::Characterise)?;
         let (neighbours, differenced) = Neighbours::of(scene, structure, &model, &interface, progress)?;
         let connections = Connection::all(&structure.joint, interface.interface.operators());
@@ -157,6 +160,7 @@ impl Prepared {
             joint: JointInfo::of(scene, structure)?,
             model,
             interface,
+            reports,
             faces: (structure.interface().clone(), structure.joint.parts.clone()),
             loop_elements: loop_elements(scene, structure)?,
             connections,
@@ -264,12 +268,13 @@ impl Prepared {
         progress.begin(Stage::Comparisons);
         let load = closing_force(&self.scene, &self.model);
         let (mesh, parts) = &self.faces;
+        let own = (&self.interface, walks::bins(&self.reports));
         let settled = |scene: &Scene, other| self.solver().settled(scene, other, &Silent).ok();
         let told = |done| {
             progress.fraction(Stage::Comparisons, done);
             Ok(go_on(progress)?)
         };
-        let found = walks::beside(&self.scene, (mesh, parts), &self.interface, load, settled, &told)?;
+        let found = walks::beside(&self.scene, (mesh, parts), own, load, settled, &told)?;
         end_stage(progress, Stage::Comparisons)?;
         Ok(Some(found))
     }

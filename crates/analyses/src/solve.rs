@@ -202,11 +202,7 @@ impl Prepared {
                 &self.interface.interface,
                 asperities.as_ref(),
                 self.scene.model.material.as_ref(),
-                self.interface
-                    .report()
-                    .resolved
-                    .as_ref()
-                    .and_then(|law| law.onset_of_yield),
+                self.reports[0].law.resolved.as_ref().and_then(|law| law.onset_of_yield),
                 self.scene.interfaces.law.yielding(),
                 &prestress.fields,
                 self.joint.clearance,
@@ -239,7 +235,7 @@ impl Prepared {
             vibration,
             prestress,
             tightening,
-            parts: self.interface.reports,
+            parts: self.reports,
             clipped_gaps: self.interface.clipped_gaps,
             interface: self.interface.interface,
             model: self.model,

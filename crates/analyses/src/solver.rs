@@ -111,7 +111,7 @@ impl Solver<'_> {
             return Ok(interface);
         }
         match self.static_state(scene, &interface.interface, interface.closure, &Quiet(progress)) {
-            Ok((found, _)) => Ok(interface.about(&found.fields.traction[2], load)?),
+            Ok((found, _)) => Ok(interface.about(&found.fields.traction[2])?),
             Err(error) if error.is_interruption() => Err(error),
             Err(_) => Ok(interface),
         }

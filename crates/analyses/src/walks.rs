@@ -53,19 +53,18 @@ pub(super) fn bins(parts: &[PartReport]) -> usize {
     resolved.map(|report| report.bins).max().unwrap_or(0)
 }
 
-/// The interfaces of a scene with another number of each setting of the law that it has; `told` hears how much is done, and may stop it.
+/// The interfaces of a scene with another number of each setting of the law that it has, and as many `bins`; `told` hears how much is done, and may stop it.
 ///
 /// # Errors
 /// Of `told`.
 pub(super) fn beside(
     scene: &Scene,
     (mesh, parts): (&InterfaceMesh, &[InterfacePart]),
-    interface: &SceneInterface,
+    (interface, bins): (&SceneInterface, usize),
     load: f64,
     settled: impl Fn(&Scene, SceneInterface) -> Option<SceneInterface>,
     told: &dyn Fn(f64) -> Result<(), Error>,
 ) -> Result<Vec<Beside>, Error> {
-    let bins = bins(&interface.reports);
     let many = match scene.interfaces.law.friction() {
         Friction::Foundation => MANY_SPRINGS,
         _ => MANY,
@@ -88,7 +87,7 @@ pub(super) fn beside(
         let interface = match (dial, interface.pressures_at_rest()) {
             // Other points have other pressures.
             (Dial::Points, _) | (_, None) => other.and_then(|other| settled(&scene, other)),
-            (_, Some(pressures)) => other.and_then(|other| other.about(pressures, load).ok()),
+            (_, Some(pressures)) => other.and_then(|other| other.about(pressures).ok()),
         };
         Some(Beside { dial, interface })
     };

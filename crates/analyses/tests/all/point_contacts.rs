@@ -499,7 +499,7 @@ fn curves_of_any_kind_are_preloaded() {
     for (force, preload) in [force[2], force[5]].into_iter().zip([40.0, 60.0]) {
         assert!((force / preload - 1.0_f64).abs() < 1e-12, "{force} {preload}");
     }
-    assert_eq!(built.report().mean_pressure, 50.0);
+    assert_eq!(built.reports().unwrap()[0].law.mean_pressure, 50.0);
     std::fs::remove_dir_all(folder).unwrap();
 }
 

@@ -216,28 +216,25 @@ fn gauss_rule(gaps: &GapDistribution, begin: f64, end: f64) -> impl Iterator<Ite
     // Moments about the end, where all differences have one sign.
     let mut moments = [0.0; 4];
     for (start, width, probability) in gaps.pieces_within(begin, end) {
-        let (low, high) = (start.max(begin), (start + width).min(end));
-        let inside = if width > 0.0 {
-            high > low
+        let stop = start + width;
+        // Most lie within as a whole, and the rest takes longer than all else.
+        let (a, b, mass) = if start > begin && stop <= end {
+            (end - start, end - stop, probability)
         } else {
-            start > begin && start <= end
-        };
-        if inside {
-            let mass = if width > 0.0 {
-                probability * (high - low) / width
-            } else {
-                probability
-            };
-            let (a, b) = (end - low, end - high);
-            let means = [
-                1.0,
-                (a + b) / 2.0,
-                (a * a + a * b + b * b) / 3.0,
-                (a * a + b * b) * (a + b) / 4.0,
-            ];
-            for (moment, mean) in moments.iter_mut().zip(means) {
-                *moment += mass * mean;
+            let (low, high) = (start.max(begin), stop.min(end));
+            if !(high > low) {
+                continue;
             }
+            (end - low, end - high, probability * (high - low) / width)
+        };
+        let means = [
+            1.0,
+            (a + b) / 2.0,
+            (a * a + a * b + b * b) / 3.0,
+            (a * a + b * b) * (a + b) / 4.0,
+        ];
+        for (moment, mean) in moments.iter_mut().zip(means) {
+            *moment += mass * mean;
         }
     }
     let [mass, first, second, third] = moments;

@@ -116,7 +116,6 @@ pub(super) struct BuiltLaw {
     /// Gap at each point as it is known (m), negative values included.
     pub(super) known_gap: Vec<f64>,
     sums: Vec<AsperitySumCurves>,
-    fits: Vec<Fit>,
     /// Largest relative errors of the tables, normal and tangential.
     table_errors: Option<[f64; 2]>,
     pub(super) resolved: Option<ResolvedReport>,
@@ -132,7 +131,7 @@ impl Asperities {
         pressures: Pressures<'_>,
     ) -> Result<BuiltLaw, Error> {
         let sums = self.sums(scene.interfaces.law.tangential)?;
-        let fits = self.fits(scene.interfaces.law.tangential, &sums)?;
+        let fits = || self.fits(scene.interfaces.law.tangential, &sums);
         let NamedLaw {
             kind,
             law,
@@ -145,7 +144,6 @@ impl Asperities {
             law,
             kind,
             sums,
-            fits,
             table_errors,
             resolved,
         })
@@ -176,7 +174,7 @@ impl Asperities {
         element_of: &[u32],
         mu: &PointParameters<f64>,
         sums: &[AsperitySumCurves],
-        fits: &[Fit],
+        fits: &dyn Fn() -> Result<Vec<Fit>, Error>,
         pressures: Pressures<'_>,
     ) -> Result<NamedLaw, Error> {
         let kind = match scene.interfaces.law.friction() {
@@ -205,7 +203,7 @@ impl Asperities {
                 NamedLaw::lumped("asperity-sum", frictional(curves, mu, scene)?)
             }
             LawKind::Fitted => {
-                let fitted = fits.iter().map(|fit| fit.curves).collect();
+                let fitted = fits()?.iter().map(|fit| fit.curves).collect();
                 let curves = PointParameters::try_indexed(fitted, population_of)?;
                 let points = FittedPoints::<f64>::new(&curves);
                 NamedLaw::lumped("fitted", frictional(points, mu, scene)?)
@@ -256,8 +254,8 @@ impl BuiltLaw {
         pressures: Pressures<'_>,
     ) -> Result<Self, Error> {
         let of = &self.asperities;
-        let NamedLaw { law, resolved, .. } =
-            of.traction_law(scene, element_of, mu, &self.sums, &self.fits, pressures)?;
+        let fits = || of.fits(scene.interfaces.law.tangential, &self.sums);
+        let NamedLaw { law, resolved, .. } = of.traction_law(scene, element_of, mu, &self.sums, &fits, pressures)?;
         Ok(Self { law, resolved, ..self })
     }
 
@@ -285,9 +283,9 @@ impl BuiltLaw {
         let pressed = curves
             .as_ref()
             .map(|curves| average(&|population| stiffnesses(&curves[population], closure)));
-        let fitted = average(&|population| stiffnesses(&self.fits[population].curves, closure));
+        let fits = asperities.fits(scene.interfaces.law.tangential, &self.sums)?;
+        let fitted = average(&|population| stiffnesses(&fits[population].curves, closure));
         let [paper, mindlin] = [reading(TangentialReading::Paper)?, reading(TangentialReading::Mindlin)?];
-        let fits = &self.fits;
         let report = AsperityReport {
             tangential: scene.interfaces.law.tangential,
             scans: asperities

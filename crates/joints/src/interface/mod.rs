@@ -38,7 +38,8 @@ use law::{BuiltLaw, NamedLaw, fits_of};
 use population::population;
 use pressures::Pressures;
 use rayon::prelude::*;
-use scenes::{Bins, Friction, LawKind, Scene, Surface};
+use resolved::Counted;
+use scenes::{Bins, Friction, Scene, Surface};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -51,15 +52,15 @@ use zte_assembly::{Interface, InterfaceMesh, Operators};
 pub struct SceneInterface {
     /// Ready for evaluation.
     pub interface: Interface,
-    /// What is reported about the law of each part of the interface; never empty.
-    pub reports: Vec<PartReport>,
     /// Points whose gap came out negative and was set to zero.
     pub clipped_gaps: usize,
     /// Uniform closure `u_n` above the gap that carries the bolt load (m), zero without one: the guess that prestress starts from.
     pub closure: f64,
+    /// Sum of the bolt loads (N).
+    load: f64,
     operators: Arc<Operators>,
-    /// The parts, in the order of their points.
-    parts: Vec<PartLaw>,
+    /// The parts by their names, in the order of their points; never empty.
+    parts: Vec<(String, PartLaw)>,
     /// Pressures at the points at rest that laws follow (Pa).
     at_rest: Option<Vec<f64>>,
 }
@@ -84,7 +85,7 @@ impl std::fmt::Debug for SceneInterface {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("SceneInterface")
             .field("interface", &self.interface)
-            .field("reports", &self.reports)
+            .field("closure", &self.closure)
             .finish()
     }
 }
@@ -112,7 +113,7 @@ impl PartLaw {
         scene: Scene,
         mesh: &InterfaceMesh,
         operators: Arc<Operators>,
-        pressure: f64,
+        (pressure, counted): (f64, &Counted),
         known: Option<&Self>,
         work: Work<'_>,
     ) -> Result<Self, Error> {
@@ -126,6 +127,7 @@ impl PartLaw {
         let pressures = Pressures {
             mean: pressure,
             at_rest: None,
+            counted,
         };
         let law_of = |asperities: Asperities| -> Result<Source, Error> {
             let built = asperities.law(&scene, &operators, &element_of, &mu, pressures)?;
@@ -326,19 +328,20 @@ impl SceneInterface {
         known: Option<&Self>,
         work: Work<'_>,
     ) -> Result<Self, Error> {
-        let known_part = |number: usize| known.and_then(|known| known.parts.get(number));
+        let known_part = |number: usize| Some(&known?.parts.get(number)?.1);
         let operators = Arc::new(
             scene
                 .model
                 .symmetry
                 .operators(mesh, scene.interfaces.points_per_direction)?,
         );
-        let pressure = load / operators.area();
+        let counted = Counted::default();
+        let of_whole = (load / operators.area(), &counted);
         let done = AtomicUsize::new(0);
         let built = match parts {
             [] => vec![(
                 "interface".to_owned(),
-                PartLaw::try_new(scene.clone(), mesh, operators.clone(), pressure, known_part(0), work)?,
+                PartLaw::try_new(scene.clone(), mesh, operators.clone(), of_whole, known_part(0), work)?,
             )],
             _ => parts
                 .par_iter()
@@ -350,7 +353,7 @@ impl SceneInterface {
                         .model
                         .symmetry
                         .operators(&mesh, scene.interfaces.points_per_direction)?;
-                    let law = PartLaw::try_new(own, &mesh, Arc::new(operators), pressure, known_part(number), work)?;
+                    let law = PartLaw::try_new(own, &mesh, Arc::new(operators), of_whole, known_part(number), work)?;
                     let done = 1 + done.fetch_add(1, Ordering::Relaxed);
                     let share = done as f64 / parts.len() as f64;
                     work.progress.fraction(Stage::Characterise, LAWS * share);
@@ -362,28 +365,7 @@ impl SceneInterface {
                 .into_iter()
                 .collect::<Result<_, _>>()?,
         };
-        Self::of_parts(operators, built, load)
-    }
-
-    /// Joins parts with their names.
-    fn of_parts(operators: Arc<Operators>, built: Vec<(String, PartLaw)>, load: f64) -> Result<Self, Error> {
-        let share = |area: f64| load / operators.area() * area;
-        let mut laws = Vec::with_capacity(built.len());
-        let mut first = 0;
-        for (_, part) in &built {
-            let range = first..first + part.gap.len();
-            first = range.end;
-            laws.push((range, part.law()));
-        }
-        let gap = built.iter().flat_map(|(_, part)| part.gap.iter().copied()).collect();
-        let mut interface = Interface::try_new(operators.clone(), laws, gap)?;
-        if built
-            .iter()
-            .any(|(_, part)| matches!(part.from, Source::NumberOrText(_)))
-        {
-            interface =
-                interface.with_interference(built.iter().flat_map(|(_, part)| part.interference()).collect())?;
-        }
+        let interface = joined(&operators, &built)?;
         let is_given = built
             .iter()
             .all(|(_, part)| matches!(part.from, Source::NumberOrText(_)));
@@ -391,10 +373,28 @@ impl SceneInterface {
             true => 0.0,
             false => uniform_closure(&interface, load)?,
         };
-        let reports = built.par_iter().map(|(name, part)| {
+        Ok(Self {
+            clipped_gaps: built.iter().map(|(_, part)| part.clipped_gaps).sum(),
+            interface,
+            closure,
+            load,
+            operators,
+            parts: built,
+            at_rest: None,
+        })
+    }
+
+    /// What is reported about the law of each part, in their order; never empty. It takes evaluations of all laws.
+    ///
+    /// # Errors
+    /// [`Error::NoContact`] for a part that does not carry its share of the load; of fits to the curves.
+    pub fn reports(&self) -> Result<Vec<PartReport>, Error> {
+        let share = |area: f64| self.load / self.operators.area() * area;
+        let of_part = |(name, part): &(String, PartLaw)| {
             let area = part.operators.area();
             // The whole carries the whole load, to the last bit.
-            let load = if built.len() == 1 { load } else { share(area) };
+            let is_whole = self.parts.len() == 1;
+            let load = if is_whole { self.load } else { share(area) };
             Ok(PartReport {
                 name: name.clone(),
                 area,
@@ -402,21 +402,14 @@ impl SceneInterface {
                 mu: part.scene.interfaces.mu,
                 law: part.report(load)?,
             })
-        });
-        Ok(Self {
-            reports: (reports.collect::<Vec<Result<_, Error>>>().into_iter()).collect::<Result<_, _>>()?,
-            clipped_gaps: built.iter().map(|(_, part)| part.clipped_gaps).sum(),
-            interface,
-            closure,
-            operators,
-            parts: built.into_iter().map(|(_, part)| part).collect(),
-            at_rest: None,
-        })
+        };
+        let reports: Vec<Result<_, Error>> = self.parts.par_iter().map(of_part).collect();
+        reports.into_iter().collect()
     }
 
     /// Whether a law follows the pressures under the bolt loads `load` (N): those of an elastic foundation lie about where it is at rest.
     pub fn follows_rest(&self, load: f64) -> bool {
-        load > 0.0 && self.parts.iter().any(PartLaw::follows_rest)
+        load > 0.0 && self.parts.iter().any(|(_, part)| part.follows_rest())
     }
 
     /// Pressures at the points at rest that laws follow (Pa); none before [`Self::about`].
@@ -424,39 +417,40 @@ impl SceneInterface {
         self.at_rest.as_deref()
     }
 
-    /// The interface with laws that follow the pressures at the points (Pa) under the bolt loads `load` (N).
+    /// The interface with laws that follow the pressures at the points (Pa) under its bolt loads. Its closure stays the guess that it was.
     ///
     /// # Errors
     /// As [`SceneInterface::try_new`].
-    pub fn about(self, pressures: &[f64], load: f64) -> Result<Self, Error> {
-        let mean = load / self.operators.area();
+    pub fn about(self, pressures: &[f64]) -> Result<Self, Error> {
+        let (mean, counted) = (self.load / self.operators.area(), Counted::default());
         let mut rest = pressures;
         let mut parts = Vec::with_capacity(self.parts.len());
-        for (part, report) in self.parts.into_iter().zip(self.reports) {
+        for (name, part) in self.parts {
             let (own, others) = rest.split_at(part.gap.len());
             rest = others;
-            parts.push((report.name, part, own));
+            parts.push((name, part, own));
         }
         let about = parts.into_par_iter().map(|(name, part, at_rest)| {
-            let at_rest = Some(at_rest);
-            Ok((name, part.about(Pressures { mean, at_rest })?))
+            let pressures = Pressures {
+                mean,
+                at_rest: Some(at_rest),
+                counted: &counted,
+            };
+            Ok((name, part.about(pressures)?))
         });
         let parts = about.collect::<Vec<Result<_, Error>>>();
-        let joined = Self::of_parts(self.operators, parts.into_iter().collect::<Result<_, _>>()?, load)?;
+        let parts = parts.into_iter().collect::<Result<Vec<_>, _>>()?;
         Ok(Self {
+            interface: joined(&self.operators, &parts)?,
+            parts,
             at_rest: Some(pressures.to_vec()),
-            ..joined
+            ..self
         })
-    }
-
-    /// The law of the whole interface, or of its first part.
-    pub fn report(&self) -> &LawReport {
-        &self.reports[0].law
     }
 
     /// The asperities of all parts together; none where the parameters of the law of a part are given.
     pub fn asperities(&self) -> Option<Asperities> {
-        let of_parts = self.parts.iter().map(|part| match &part.from {
+        let of_parts = self.parts.iter().map(|(_, part)| match &part.from {
             Source::NumberOrText(_) => None,
             Source::Asperities(built) => Some(&built.asperities),
         });
@@ -472,11 +466,15 @@ impl SceneInterface {
     pub fn realisation(&self, k: usize, load: f64) -> Result<(Interface, f64), Error> {
         let mut laws = Vec::with_capacity(self.parts.len());
         let mut gap = Vec::new();
-        let mean = load / self.operators.area();
-        for part in &self.parts {
+        let (mean, counted) = (load / self.operators.area(), Counted::default());
+        for (_, part) in &self.parts {
             let points = gap.len()..gap.len() + part.gap.len();
-            let at_rest = self.pressures_at_rest().map(|all| &all[points.clone()]);
-            let (law, of_part) = part.realisation(k, Pressures { mean, at_rest })?;
+            let pressures = Pressures {
+                mean,
+                at_rest: self.pressures_at_rest().map(|all| &all[points.clone()]),
+                counted: &counted,
+            };
+            let (law, of_part) = part.realisation(k, pressures)?;
             laws.push((points, law));
             gap.extend(of_part);
         }
@@ -490,9 +488,13 @@ impl SceneInterface {
 
     /// What the readers of the scans had to settle by convention, one sentence each.
     pub fn notes(&self) -> impl Iterator<Item = String> {
-        let reports = self.reports.iter().filter_map(|part| part.law.asperities.as_ref());
-        let scans = reports.flat_map(|report| &report.scans);
-        scans.flat_map(|file| file.notes.iter().map(|note| format!("{}: {note}", file.path.display())))
+        let scans = self.parts.iter().filter_map(|(_, part)| match &part.from {
+            Source::NumberOrText(_) => None,
+            Source::Asperities(built) => built.asperities.scan.as_deref(),
+        });
+        scans
+            .flat_map(|(_, files)| files)
+            .flat_map(|file| file.notes.iter().map(|note| format!("{}: {note}", file.path.display())))
     }
 }
 
@@ -514,16 +516,31 @@ impl PartLaw {
         let populations = populations.collect::<Result<_, Error>>()?;
         let realisation = asperities.with_populations(populations, &scene.interfaces.scale)?;
         let sums = realisation.sums(scene.interfaces.law.tangential)?;
-        let fits = match scene.interfaces.law.kind {
-            LawKind::Fitted => fits_of(&sums, scene.interfaces.law.tangential, scan.options.interference)?,
-            LawKind::Tabulated | LawKind::AsperitySum | LawKind::BoundaryElements => Vec::new(),
-        };
+        let fits = || fits_of(&sums, scene.interfaces.law.tangential, scan.options.interference);
         let NamedLaw { law, .. } =
             realisation.traction_law(scene, &self.element_of, &self.mu, &sums, &fits, pressures)?;
         let height = scene.interfaces.scale.asperity_height;
         let later = self.element_of.iter().map(|&e| height * drawn[e as usize].1).collect();
         Ok((law, later))
     }
+}
+
+/// The parts side by side, with their gaps and preloads.
+fn joined(operators: &Arc<Operators>, parts: &[(String, PartLaw)]) -> Result<Interface, Error> {
+    let mut laws = Vec::with_capacity(parts.len());
+    let mut first = 0;
+    for (_, part) in parts {
+        let range = first..first + part.gap.len();
+        first = range.end;
+        laws.push((range, part.law()));
+    }
+    let gap = parts.iter().flat_map(|(_, part)| part.gap.iter().copied()).collect();
+    let interface = Interface::try_new(operators.clone(), laws, gap)?;
+    let are_given = |(_, part): &(String, PartLaw)| matches!(part.from, Source::NumberOrText(_));
+    Ok(match parts.iter().any(are_given) {
+        true => interface.with_interference(parts.iter().flat_map(|(_, part)| part.interference()).collect())?,
+        false => interface,
+    })
 }
 
 /// What the law follows from.

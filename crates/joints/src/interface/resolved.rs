@@ -7,13 +7,13 @@ use crate::Error;
 use contact_laws::friction::foundation::BEYOND_REACH;
 use contact_laws::{
     Asperity, AsperityBins, AsperityFriction, AsperityPopulation, AsperitySumCurves, ContactCurves, Foundation,
-    FoundationLaw, Growth, PointParameters, Radii, ResolvedLaw, TractionLaw,
+    FoundationLaw, Growth, PointParameters, Radii, ResolvedLaw, TangentialReading, TractionLaw,
 };
 use rayon::prelude::*;
 use scenes::{Bins, Friction, RadialRule, Scene};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Interferences are expected up to that which carries so many times the mean pressure of the bolts.
 const PRESSURE_REACH: f64 = 10.0;
@@ -60,6 +60,40 @@ pub struct ResolvedReport {
     /// Interference at the onset of yield (m) (mean over the populations); none for elastic asperities.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub onset_of_yield: Option<f64>,
+}
+
+/// Numbers of bins or springs that were found for populations, with their errors: parts of an interface with the same surface find them once.
+#[derive(Default)]
+pub(super) struct Counted(Mutex<Vec<(Counting, (usize, [f64; 3]))>>);
+
+/// What a number of parts is found for.
+#[derive(PartialEq)]
+struct Counting {
+    /// Asperities, populations and the interferences up to which they are expected (m).
+    of: Vec<(Asperity, AsperityPopulation, f64)>,
+    reading: TangentialReading,
+    bins: Bins,
+    /// Springs about interferences at rest, or bins.
+    are_springs: bool,
+}
+
+impl Counted {
+    /// What is known of these, or is `found` now.
+    fn or(
+        &self,
+        of: Counting,
+        found: impl FnOnce() -> Result<(usize, [f64; 3]), Error>,
+    ) -> Result<(usize, [f64; 3]), Error> {
+        let all = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = all().iter().find(|(known, _)| *known == of).map(|(_, found)| *found);
+        if let Some(known) = known {
+            return Ok(known);
+        }
+        // Two threads may find the same: one that waits could hold up what the other one waits for.
+        let found = found()?;
+        all().push((of, found));
+        Ok(found)
+    }
 }
 
 /// One population and what stands for it at points.
@@ -218,6 +252,21 @@ impl Asperities {
             })
         });
         let sources = sources.collect::<Result<Vec<_>, Error>>()?;
+        // Curves by boundary elements follow from more than their populations.
+        let counted = |are_springs: bool, found: &dyn Fn() -> Result<(usize, [f64; 3]), Error>| match &pressed {
+            Some(_) => found(),
+            None => {
+                let of = sources.iter();
+                let of = of.map(|source| (source.asperity, source.population.clone(), source.reach));
+                let counting = Counting {
+                    of: of.collect(),
+                    reading: law.tangential,
+                    bins: law.bins,
+                    are_springs,
+                };
+                pressures.counted.or(counting, found)
+            }
+        };
         let mean = |of: &dyn Fn(&Source<'_>) -> f64| sources.iter().map(of).sum::<f64>() / sources.len() as f64;
         let (friction, radii) = match (law.friction(), law.radii) {
             (Friction::Foundation, _) => (None, None),
@@ -237,12 +286,16 @@ impl Asperities {
         let Some(friction) = friction else {
             let (springs, bins, errors) = match (law.bins, pressures.at_rest) {
                 (Bins::Error(_) | Bins::Gauss(_), Some(at_rest)) => {
-                    let (springs, count, errors) = self.springs_about(&sources, law.bins, element_of, at_rest)?;
-                    (springs, count, Some(errors))
+                    let growths = sources.par_iter().map(Source::growth).collect::<Vec<_>>();
+                    let growths = growths.into_iter().collect::<Result<Vec<_>, _>>()?;
+                    let (count, errors) = counted(true, &|| count_about(&sources, &growths, law.bins))?;
+                    let (springs, most) = self.springs_about(&sources, &growths, count, element_of, at_rest)?;
+                    (springs, most, Some(errors))
                 }
                 (Bins::EquallySpaced(_), _) => {
-                    let (springs, count, errors) = self.parts::<Foundation>(&sources, law.bins, element_of)?;
-                    (springs, count, Some(errors))
+                    let (count, errors) = count::<Foundation>(&sources, law.bins)?;
+                    let (springs, most) = self.parts_of(&sources, law.bins, count, element_of)?;
+                    (springs, most, Some(errors))
                 }
                 // A law that the pressures at rest are found with.
                 (Bins::Error(_) | Bins::Gauss(_), None) => {
@@ -265,52 +318,21 @@ impl Asperities {
             };
             return Ok((law, report(bins, errors)));
         };
-        let (bins, count, errors) = self.parts::<AsperityBins>(&sources, law.bins, element_of)?;
+        let (count, errors) = counted(false, &|| count::<AsperityBins>(&sources, law.bins))?;
+        let (bins, most) = self.parts_of(&sources, law.bins, count, element_of)?;
         let law = ResolvedLaw::try_new(bins, mu.clone(), friction, law.cone)?.with_limit(law.limit)?;
-        Ok((Arc::new(law), report(count, Some(errors))))
+        Ok((Arc::new(law), report(most, Some(errors))))
     }
 
-    /// Springs of all points about their interferences at rest, from the pressures there (Pa); their number, and their errors.
+    /// `count` springs of all points about their interferences at rest, from the pressures there (Pa), and most springs at a point.
     fn springs_about(
         &self,
         sources: &[Source<'_>],
-        bins: Bins,
+        growths: &[Growth],
+        count: usize,
         element_of: &[u32],
         at_rest: &[f64],
-    ) -> Result<(PointParameters<Foundation>, usize, [f64; 3]), Error> {
-        let growths = sources.par_iter().map(Source::growth).collect::<Vec<_>>();
-        let growths = growths.into_iter().collect::<Result<Vec<_>, _>>()?;
-        let every = sources.len().div_ceil(MEASURED).max(1);
-        let measured: Vec<_> = sources.iter().zip(&growths).step_by(every).collect();
-        let shifts = (0..MEASURED_PLACES).map(|place| place as f64 / MEASURED_PLACES as f64);
-        let shifts: Vec<f64> = shifts.collect();
-        let finest = measured
-            .par_iter()
-            .map(|(_, growth)| Ok(growth.springs(FINEST, &[0.0])?.remove(0)));
-        let finest = finest
-            .collect::<Vec<_>>()
-            .into_iter()
-            .collect::<Result<Vec<_>, Error>>()?;
-        let errors = |count: usize| -> Result<[f64; 3], Error> {
-            let of_one =
-                |((source, growth), finest): (&(&Source<'_>, &Growth), &Foundation)| -> Result<[f64; 3], Error> {
-                    let rests =
-                        (0..MEASURED).map(|i| source.reach * (1.0 + 2.0 * i as f64 / (MEASURED - 1) as f64) / 3.0);
-                    let sets = rests.map(|rest| {
-                        let springs = shifts.iter().map(|&shift| growth.springs_about(rest, count, shift));
-                        Ok((rest, springs.collect::<Result<Vec<_>, _>>()?))
-                    });
-                    let sets = sets.collect::<Result<Vec<_>, Error>>()?;
-                    Ok(Foundation::errors_about(
-                        &sets,
-                        finest,
-                        source.reach,
-                        SMALLEST_AMPLITUDE,
-                    ))
-                };
-            largest(measured.par_iter().zip(&finest).map(of_one).collect::<Vec<_>>())
-        };
-        let (count, errors) = fewest(bins, &COUNTS_ABOUT, errors)?;
+    ) -> Result<(PointParameters<Foundation>, usize), Error> {
         let places = places(element_of);
         let inverses: Vec<Inverse> = sources.par_iter().map(Inverse::of).collect();
         let springs = (0..element_of.len()).into_par_iter().map(|point| {
@@ -321,19 +343,7 @@ impl Asperities {
         let springs = springs.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
         let most = springs.iter().map(Parts::len).max().unwrap_or(0);
         let own = (0..springs.len() as u32).collect();
-        Ok((PointParameters::try_indexed(springs, own)?, most, errors))
-    }
-
-    /// What stands for the populations at all points, most parts at a point, and their errors.
-    fn parts<P: Parts>(
-        &self,
-        sources: &[Source<'_>],
-        bins: Bins,
-        element_of: &[u32],
-    ) -> Result<(PointParameters<P>, usize, [f64; 3]), Error> {
-        let (count, errors) = count::<P>(sources, bins)?;
-        let (parts, most) = self.parts_of(sources, bins, count, element_of)?;
-        Ok((parts, most, errors))
+        Ok((PointParameters::try_indexed(springs, own)?, most))
     }
 
     /// `count` parts of each population at all points, and most parts at a point.
@@ -411,6 +421,39 @@ fn count<P: Parts>(sources: &[Source<'_>], bins: Bins) -> Result<(usize, [f64; 3
         largest(of_each.collect::<Vec<_>>())
     };
     fewest(bins, P::COUNTS, errors)
+}
+
+/// Springs per point about its interference at rest, and the errors measured with them.
+fn count_about(sources: &[Source<'_>], growths: &[Growth], bins: Bins) -> Result<(usize, [f64; 3]), Error> {
+    let every = sources.len().div_ceil(MEASURED).max(1);
+    let measured: Vec<_> = sources.iter().zip(growths).step_by(every).collect();
+    let shifts = (0..MEASURED_PLACES).map(|place| place as f64 / MEASURED_PLACES as f64);
+    let shifts: Vec<f64> = shifts.collect();
+    let finest = measured
+        .par_iter()
+        .map(|(_, growth)| Ok(growth.springs(FINEST, &[0.0])?.remove(0)));
+    let finest = finest
+        .collect::<Vec<_>>()
+        .into_iter()
+        .collect::<Result<Vec<_>, Error>>()?;
+    let errors = |count: usize| -> Result<[f64; 3], Error> {
+        let of_one = |((source, growth), finest): (&(&Source<'_>, &Growth), &Foundation)| -> Result<[f64; 3], Error> {
+            let rests = (0..MEASURED).map(|i| source.reach * (1.0 + 2.0 * i as f64 / (MEASURED - 1) as f64) / 3.0);
+            let sets = rests.map(|rest| {
+                let springs = shifts.iter().map(|&shift| growth.springs_about(rest, count, shift));
+                Ok((rest, springs.collect::<Result<Vec<_>, _>>()?))
+            });
+            let sets = sets.collect::<Result<Vec<_>, Error>>()?;
+            Ok(Foundation::errors_about(
+                &sets,
+                finest,
+                source.reach,
+                SMALLEST_AMPLITUDE,
+            ))
+        };
+        largest(measured.par_iter().zip(&finest).map(of_one).collect::<Vec<_>>())
+    };
+    fewest(bins, &COUNTS_ABOUT, errors)
 }
 
 /// The largest of each error.

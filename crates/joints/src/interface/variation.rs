@@ -22,7 +22,7 @@ impl SceneInterface {
     pub fn variation(&self, [above, below]: [&Scene; 2], apart: f64) -> Result<Option<Variation>, Error> {
         let mut points = Vec::with_capacity(self.operators.n_points());
         let mut gap = Vec::with_capacity(self.operators.n_points());
-        for part in &self.parts {
+        for (_, part) in &self.parts {
             let of_part = |scene: &Scene| {
                 part.source
                     .map_or_else(|| scene.clone(), |source| scene.of_interface(source))
