@@ -86,12 +86,25 @@ pub struct StateView<'a> {
     pub stride: usize,
     /// First point of the batch in the block.
     pub offset: usize,
+    /// Whether all its numbers are known to be finite, so that a law need not look at those it does not need.
+    pub is_finite: bool,
 }
 
 impl<'a> StateView<'a> {
     /// A batch that begins at `offset` of a block of `stride` points.
     pub fn new(data: &'a [f64], stride: usize, offset: usize) -> Self {
-        Self { data, stride, offset }
+        Self {
+            data,
+            stride,
+            offset,
+            is_finite: false,
+        }
+    }
+
+    /// The same batch, whose numbers are known to be finite if `is_finite`. An end state is finite where tractions came out finite.
+    #[must_use]
+    pub fn known_finite(self, is_finite: bool) -> Self {
+        Self { is_finite, ..self }
     }
 
     /// The first `n` points' values of the first `N` components.

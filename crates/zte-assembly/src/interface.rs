@@ -15,9 +15,18 @@ use std::sync::Arc;
 pub struct State {
     /// One block `[component][point]` per tile, one after the other.
     pub(crate) values: Vec<f64>,
+    /// Whether all values are known to be finite.
+    is_finite: bool,
 }
 
 impl State {
+    fn zero(size: usize) -> Self {
+        Self {
+            values: vec![0.0; size],
+            is_finite: true,
+        }
+    }
+
     /// Sum of the products of all numbers: of an adjoint with a change.
     ///
     /// # Panics
@@ -35,6 +44,7 @@ impl State {
         assert_eq!(self.values.len(), change.values.len());
         let pairs = self.values.iter_mut().zip(&change.values);
         pairs.for_each(|(value, change)| *value += factor * change);
+        self.is_finite = false;
     }
 }
 
@@ -200,8 +210,7 @@ impl Interface {
             size += range.len() * linear.info().n_state();
             laws.push((range.clone(), Arc::new(linear)));
         }
-        let values = vec![0.0; size];
-        Ok((Self { laws, ..self.clone() }, State { values }))
+        Ok((Self { laws, ..self.clone() }, State::zero(size)))
     }
 
     /// The same interface with faces that are pressed into one another at zero jump: one interference per quadrature point (m), at
@@ -341,6 +350,8 @@ impl Interface {
             counts += tile.evaluate(sticking, begin, end, workspace, tangent.is_some());
         }
         self.integrate(workspace.traction.each_ref().map(Vec::as_slice), force);
+        // A law spoils tractions and history together.
+        end.is_finite = force.iter().all(|force| force.is_finite());
         if let Some(values) = tangent {
             self.assemble_tangent(workspace.tangent.each_ref().map(Vec::as_slice), values);
         }
@@ -531,6 +542,7 @@ impl Interface {
                 }
                 let history = &mut begin.values[tile.states.clone()];
                 variation.scalings[index].transform(tile.of_law.clone(), step, part, history);
+                begin.is_finite = false;
             }
             tile.evaluate(Sticking::Full, &begin, &mut end, workspace, true);
             if let Some((variation, step)) = variation {
@@ -544,9 +556,7 @@ impl Interface {
     /// A history of zeros: no change, as a direction.
     pub fn no_change(&self) -> State {
         let sizes = self.laws.iter().map(|(range, law)| range.len() * law.info().n_state());
-        State {
-            values: vec![0.0; sizes.sum()],
-        }
+        State::zero(sizes.sum())
     }
 
     /// The points with their histories.
@@ -708,10 +718,12 @@ struct Tile<'a> {
 
 impl Tile<'_> {
     fn history<'s>(&self, of: &'s State) -> StateView<'s> {
-        StateView::new(&of.values[self.states.clone()], self.points.len(), 0)
+        StateView::new(&of.values[self.states.clone()], self.points.len(), 0).known_finite(of.is_finite)
     }
 
     fn history_mut<'s>(&self, of: &'s mut State) -> StateViewMut<'s> {
+        // Until whoever writes it says so.
+        of.is_finite = false;
         StateViewMut::new(&mut of.values[self.states.clone()], self.points.len(), 0)
     }
 

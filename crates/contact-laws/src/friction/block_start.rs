@@ -202,14 +202,21 @@ impl<'a> Rows<'a> {
                 *fill += 0.0 * value;
             }
         }
-        let StateView { data, stride, offset } = self.begin;
-        run(SpreadNan {
-            rows: &data[offset + self.block.start..],
+        let StateView {
+            data,
             stride,
-            n_rows: n_state,
-            m: self.block.len(),
-            fill: &mut fill,
-        });
+            offset,
+            is_finite,
+        } = self.begin;
+        if !is_finite {
+            run(SpreadNan {
+                rows: &data[offset + self.block.start..],
+                stride,
+                n_rows: n_state,
+                m: self.block.len(),
+                fill: &mut fill,
+            });
+        }
         fill
     }
 
@@ -233,9 +240,25 @@ impl<'a> Rows<'a> {
         rows.components::<N>(self.n).map(|row| &mut row[self.block.clone()])
     }
 
+    /// Each of a range of components at the points: the values given.
+    pub(crate) fn end_with(&mut self, components: Range<usize>, values: &[f64]) {
+        let StateViewMut { data, stride, offset } = &mut self.end;
+        // Zero, and without holes, as nearly always: at once.
+        if self.block.len() == *stride && values.iter().all(|value| *value == 0.0) {
+            data[components.start * *stride..components.end * *stride].fill(0.0);
+            return;
+        }
+        for component in components {
+            let first = component * *stride + *offset + self.block.start;
+            data[first..first + values.len()].copy_from_slice(values);
+        }
+    }
+
     /// Pairs of components of point `i` from one component on.
     pub(crate) fn gather(&self, component: usize, i: usize, into: &mut [[f64; 2]]) {
-        let StateView { data, stride, offset } = self.begin;
+        let StateView {
+            data, stride, offset, ..
+        } = self.begin;
         let values = data[component * stride + offset + self.block.start + i..].iter();
         for (into, value) in into.as_flattened_mut().iter_mut().zip(values.step_by(stride)) {
             *into = bounded(*value);

@@ -233,6 +233,8 @@ struct Tables {
     /// Of every bin and set, `[bin][set]`. Sets with fewer bins end with empty ones.
     gaps: Vec<f64>,
     densities: Vec<f64>,
+    /// Smallest gap of every bin and those after it.
+    least: Vec<f64>,
 }
 
 impl Tables {
@@ -248,8 +250,13 @@ impl Tables {
                 densities.push(set.densities().get(bin).copied().unwrap_or(0.0));
             }
         }
+        let mut least = gaps.clone();
+        for at in (0..least.len() - sets.len()).rev() {
+            least[at] = min(least[at], least[at + sets.len()]);
+        }
         Self {
             n_bins,
+            least,
             yields: onset.iter().any(|onset| onset.is_finite()),
             asperities: sets.iter().map(|set| *set.asperity()).collect(),
             hertz: each(&Asperity::hertz_factor),
@@ -258,6 +265,15 @@ impl Tables {
             gaps,
             densities,
         }
+    }
+
+    /// Whether no asperity of a bin, and of those after it, is closed at the points of a block with these interferences. Not so where one has a past.
+    fn are_open_from(&self, bin: usize, sets: &[u32], u_n: &[f64]) -> bool {
+        let n_sets = self.asperities.len();
+        let Some(least) = self.least.get(bin * n_sets..).filter(|least| !least.is_empty()) else {
+            return true;
+        };
+        !sets.iter().zip(u_n).any(|(&set, u_n)| *u_n > least[set as usize])
     }
 
     /// Gaps or densities of a bin at the points of a block.
@@ -508,6 +524,7 @@ impl ResolvedLaw {
             direction.begin(self.info.n_state(), fill);
         }
         rows.end_at(jump, fill);
+        let u_closing = jump[2];
         for j in 0..tables.n_bins {
             tables.gather(&tables.gaps, j, sets, one_set, &mut gap.0[..m]);
             tables.gather(&tables.densities, j, sets, one_set, &mut density.0[..m]);
@@ -732,15 +749,15 @@ impl ResolvedLaw {
                     }
                 }
             } else {
-                for component in base..dent_base {
-                    let [end] = rows.end::<1>(component);
-                    end.copy_from_slice(&fill.0[..m]);
+                // Dents stay when asperities open.
+                let are_open = dent.is_none() && direction.is_none() && tables.are_open_from(j + 1, sets, u_closing);
+                let until = if are_open { self.info.n_state() } else { dent_base };
+                rows.end_with(base..until, &fill.0[..m]);
+                if are_open {
+                    break;
                 }
                 if let Some(Direction { rows, changes, .. }) = &mut direction {
-                    for component in base..dent_base {
-                        let [end] = rows.end::<1>(component);
-                        end.copy_from_slice(&changes.nothing.0[..m]);
-                    }
+                    rows.end_with(base..dent_base, &changes.nothing.0[..m]);
                 }
             }
             if let Some([w_0, f_0]) = dent {

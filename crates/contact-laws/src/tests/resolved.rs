@@ -752,8 +752,13 @@ fn gross_slip_begins_with_the_first_asperity_to_touch() {
 
 /// Traction, tangent and memory of points, number by number.
 fn all_of(law: &ResolvedLaw, sticking: Sticking, jump: &[Vec<f64>; 3], begin: &[f64]) -> Vec<Vec<f64>> {
+    all_from(law, sticking, jump, StateView::new(begin, jump[0].len(), 0))
+}
+
+fn all_from(law: &ResolvedLaw, sticking: Sticking, jump: &[Vec<f64>; 3], begin: StateView<'_>) -> Vec<Vec<f64>> {
     let n = jump[0].len();
-    let mut end = vec![0.0; begin.len()];
+    // What stands there before must not matter.
+    let mut end = vec![f64::NAN; begin.data.len()];
     let mut found = vec![vec![0.0; n]; 12];
     let mut lists = found.iter_mut();
     let [x, y, z, tangent @ ..]: [&mut [f64]; 12] = core::array::from_fn(|_| lists.next().unwrap().as_mut_slice());
@@ -761,7 +766,7 @@ fn all_of(law: &ResolvedLaw, sticking: Sticking, jump: &[Vec<f64>; 3], begin: &[
         0..n,
         sticking,
         Components::new(&jump[0], &jump[1], &jump[2]),
-        StateView::new(begin, n, 0),
+        begin,
         StateViewMut::new(&mut end, n, 0),
         ComponentsMut::new(x, y, z),
         Some(TangentMut::from_entries(tangent)),
@@ -818,5 +823,53 @@ fn annuli_have_the_same_bits_beside_a_point_that_was_open() {
         }
         let moved = alone.iter().any(|row| row[..n - 1].iter().any(|value| *value != 0.0));
         assert!(moved);
+    }
+}
+
+/// Bins in any order, of which some stay open, in blocks whose points have other bins than their neighbours: every point as if it were alone, also
+/// where its history is known to be finite.
+#[test]
+fn bins_that_stay_open_matter_to_no_point() {
+    let [_, yielding] = published();
+    let elastic = Formulas {
+        yielding: None,
+        ..yielding
+    };
+    for (formulas, friction) in [
+        (elastic, AsperityFriction::Annuli(HistoryRule::Incremental, 3)),
+        (elastic, AsperityFriction::StickSlip(HistoryRule::Potential)),
+        (yielding, AsperityFriction::Annuli(HistoryRule::EndPoint, 2)),
+    ] {
+        let bins = |gaps: [f64; 4]| AsperityBins::try_new(formulas.asperity(), gaps.to_vec(), vec![1e5; 4]).unwrap();
+        let sets = vec![bins([0.0, 6e-6, 2e-6, 9e-6]), bins([5e-6, 1e-6, 8e-6, 3e-6])];
+        for n in [64, 130] {
+            // The second block of points has one set alone.
+            let of_point = (0..n as u32).map(|i| if i < 64 { i % 2 } else { 1 }).collect();
+            let bins = PointParameters::try_indexed(sets.clone(), of_point).unwrap();
+            let mu = PointParameters::uniform(0.2, n);
+            let law = ResolvedLaw::try_new(bins, mu, friction.clone(), Cone::Circle).unwrap();
+            let spread = |i: usize, scale: f64| scale * (1.7 * i as f64 + 0.3).sin();
+            let jump = |scale: f64, closure: f64| -> [Vec<f64>; 3] {
+                let of = |share: f64, mean: f64| (0..n).map(|i| mean + spread(i, share)).collect();
+                [of(scale, 0.0), of(0.6 * scale, 0.0), of(2.5e-6, closure)]
+            };
+            let mut begin = vec![0.0; n * law.info().n_state()];
+            for jump in [jump(2e-7, 5e-6), jump(5e-7, 3e-6), jump(-3e-7, 4e-6)] {
+                let batch = all_of(&law, Sticking::Coulomb, &jump, &begin);
+                let known = StateView::new(&begin, n, 0).known_finite(true);
+                assert_eq!(batch, all_from(&law, Sticking::Coulomb, &jump, known));
+                for i in 0..n {
+                    let own: Vec<f64> = begin.iter().skip(i).step_by(n).copied().collect();
+                    let u = [0, 1, 2].map(|q| jump[q][i]);
+                    let alone = evaluate_point(&law, i, Sticking::Coulomb, u, &own);
+                    let found = |rows: std::ops::Range<usize>| rows.map(|row| batch[row][i]).collect::<Vec<f64>>();
+                    assert_eq!(found(0..3), alone.traction);
+                    assert_eq!(found(3..12), alone.tangent.concat());
+                    assert_eq!(found(12..batch.len()), alone.end);
+                }
+                begin = batch[12..].concat();
+            }
+            assert!(begin.iter().any(|value| *value != 0.0));
+        }
     }
 }

@@ -2,8 +2,9 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use contact_laws::{
-    Components, ComponentsMut, ElasticCurves, FrictionalLaw, HistoryRule, PointParameters, StateView, StateViewMut,
-    Sticking, TangentMut, TractionLaw, WayBack,
+    Asperity, AsperityBins, AsperityFriction, Components, ComponentsMut, Cone, ElasticCurves, ElasticPair,
+    FrictionalLaw, HistoryRule, PointParameters, ResolvedLaw, StateView, StateViewMut, Sticking, TangentMut,
+    TractionLaw, WayBack,
 };
 use proptest::prelude::*;
 use std::collections::HashMap;
@@ -408,6 +409,56 @@ fn force_at(interface: &Interface, u: &[f64], mu_state: &zte_assembly::State) ->
         None,
     );
     force
+}
+
+/// What was no number stays none at its points, however the histories are passed on, and spoils no others.
+#[test]
+fn a_history_that_is_no_number_spoils_its_points_alone() {
+    let operators = Arc::new(Operators::try_new(&patch(), 2).unwrap());
+    let n = operators.n_points();
+    let asperity = Asperity::try_new(ElasticPair::new(192e9, 0.3), 1.4e-3, None).unwrap();
+    let bins = AsperityBins::try_new(asperity, vec![0.0, 4e-6], vec![1e6; 2]).unwrap();
+    let friction = AsperityFriction::StickSlip(HistoryRule::Incremental);
+    let mu = PointParameters::uniform(0.2, n);
+    let law = ResolvedLaw::try_new(PointParameters::uniform(bins, n), mu, friction, Cone::Circle).unwrap();
+    let interface = Interface::try_new(operators, vec![(0..n, Arc::new(law))], vec![0.0; n]).unwrap();
+    let sound: Vec<f64> = (0..interface.n_dofs()).map(|i| [1e-7, 0.0, 1e-6][i % 3]).collect();
+    let start = interface.initial_state();
+    let expected = force_at(&interface, &sound, &start);
+    let mut spoilt = sound.clone();
+    spoilt[0] = f64::NAN;
+    let (mut end, mut workspace) = (start.clone(), interface.workspace());
+    let mut force = vec![0.0; interface.n_dofs()];
+    interface.evaluate(
+        &spoilt,
+        Sticking::Coulomb,
+        &start,
+        &mut end,
+        &mut workspace,
+        &mut force,
+        None,
+    );
+    let found = force_at(&interface, &sound, &end);
+    assert!(found[0].is_nan() && found[2].is_nan());
+    let last = expected.len() - 3;
+    assert!(
+        found[last..].iter().all(|force| force.is_finite()),
+        "{:?}",
+        &found[last..]
+    );
+    // And back from a state that is sound, into the same room.
+    let (begin, mut end) = (start, end);
+    interface.evaluate(
+        &sound,
+        Sticking::Coulomb,
+        &begin,
+        &mut end,
+        &mut workspace,
+        &mut force,
+        None,
+    );
+    assert_eq!(force, expected);
+    assert!(force_at(&interface, &sound, &end).iter().all(|force| force.is_finite()));
 }
 
 proptest! {
