@@ -106,8 +106,7 @@ impl Solver<'_> {
         interface: SceneInterface,
         progress: &dyn Progress,
     ) -> Result<SceneInterface, Error> {
-        let load = closing_force(scene, self.model);
-        if !interface.follows_rest(load) {
+        if !interface.follows_rest() {
             return Ok(interface);
         }
         match self.static_state(scene, &interface.interface, interface.closure, &Quiet(progress)) {

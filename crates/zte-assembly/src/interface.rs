@@ -351,7 +351,7 @@ impl Interface {
         }
         self.integrate(workspace.traction.each_ref().map(Vec::as_slice), force);
         // A law spoils tractions and history together.
-        end.is_finite = force.iter().all(|force| force.is_finite());
+        end.is_finite = are_finite(force);
         if let Some(values) = tangent {
             self.assemble_tangent(workspace.tangent.each_ref().map(Vec::as_slice), values);
         }
@@ -432,6 +432,8 @@ impl Interface {
         }
         self.integrate(traction.each_ref().map(Vec::as_slice), force);
         self.integrate([d_tx, d_ty, d_tn], d_force);
+        end.is_finite = are_finite(force);
+        d_end.is_finite = end.is_finite && are_finite(d_force);
     }
 
     /// The way back through a step under friction: what the product of adjoints of the end state with the end state, less that of adjoints of the
@@ -702,6 +704,10 @@ fn checked(what: &'static str, quantity: &'static str, lengths: Vec<f64>, expect
 /// Most points whose histories stand together: with those of thousands a block of points would have each number of its history on another page of
 /// memory.
 pub(crate) const TILE: usize = 64;
+
+fn are_finite(values: &[f64]) -> bool {
+    values.iter().all(|value| value.is_finite())
+}
 
 /// Points of one law whose histories are one block `[component][point]`.
 struct Tile<'a> {

@@ -750,14 +750,14 @@ impl ResolvedLaw {
                 }
             } else {
                 // Dents stay when asperities open.
-                let are_open = dent.is_none() && direction.is_none() && tables.are_open_from(j + 1, sets, u_closing);
+                let are_open = dent.is_none() && tables.are_open_from(j + 1, sets, u_closing);
                 let until = if are_open { self.info.n_state() } else { dent_base };
                 rows.end_with(base..until, &fill.0[..m]);
+                if let Some(Direction { rows, changes, .. }) = &mut direction {
+                    rows.end_with(base..until, &changes.nothing.0[..m]);
+                }
                 if are_open {
                     break;
-                }
-                if let Some(Direction { rows, changes, .. }) = &mut direction {
-                    rows.end_with(base..dent_base, &changes.nothing.0[..m]);
                 }
             }
             if let Some([w_0, f_0]) = dent {

@@ -407,9 +407,9 @@ impl SceneInterface {
         reports.into_iter().collect()
     }
 
-    /// Whether a law follows the pressures under the bolt loads `load` (N): those of an elastic foundation lie about where it is at rest.
-    pub fn follows_rest(&self, load: f64) -> bool {
-        load > 0.0 && self.parts.iter().any(|(_, part)| part.follows_rest())
+    /// Whether a law follows the pressures under the bolt loads: those of an elastic foundation lie about where it is at rest.
+    pub fn follows_rest(&self) -> bool {
+        self.load > 0.0 && self.parts.iter().any(|(_, part)| part.follows_rest())
     }
 
     /// Pressures at the points at rest that laws follow (Pa); none before [`Self::about`].
