@@ -244,9 +244,13 @@ impl CaseStructure {
         })
     }
 
-    /// Coordinates of the reduced model.
-    pub fn size(&self) -> usize {
-        self.model.reduced.size()
+    /// Memory of the matrices of the reduced model, with symmetric entries once, as the cache has them (bytes).
+    pub fn bytes(&self) -> usize {
+        let reduced = &self.model.reduced;
+        [&reduced.stiffness, &reduced.mass]
+            .map(|matrix| matrix.as_ref().bytes())
+            .iter()
+            .sum()
     }
 
     pub(super) fn model(&self) -> &StructuralModel {

@@ -132,6 +132,14 @@ impl<'a> SystemMatrixRef<'a> {
         }
     }
 
+    /// Memory of its entries, symmetric ones once (bytes).
+    pub fn bytes(self) -> usize {
+        match self {
+            Self::Dense(matrix) => size_of::<f64>() * matrix.nrows() * (matrix.nrows() + 1) / 2,
+            Self::Blocks(matrix) => matrix.bytes(),
+        }
+    }
+
     /// A copy.
     pub fn to_owned(self) -> SystemMatrix {
         match self {

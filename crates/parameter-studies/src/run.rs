@@ -232,7 +232,7 @@ impl Runner<'_> {
         let Some((first, rest)) = cases.split_first() else {
             return Ok(());
         };
-        let size = site.structure.size();
+        let size = site.structure.bytes();
         let mut cases = cases;
         if size > gang.largest {
             // One case alone tells what a case takes.
@@ -384,7 +384,7 @@ impl Runner<'_> {
                 0 => "measured on the first".to_owned(),
                 n => format!("measured on {}", n + 1),
             },
-            16e-6 * (size as f64).powi(2),
+            1e-6 * size as f64,
             duration(seconds)
         ));
     }
