@@ -1,19 +1,19 @@
 //! Laws with a history for every asperity.
 
 use super::asperities::Asperities;
-use super::pressures::Pressures;
+use super::pressures::{Count, Counting, Pressures};
 use super::stiffness::{as_dyn, between, interference_at};
 use crate::Error;
 use contact_laws::friction::foundation::BEYOND_REACH;
 use contact_laws::{
     Asperity, AsperityBins, AsperityFriction, AsperityPopulation, AsperitySumCurves, ContactCurves, Foundation,
-    FoundationLaw, Growth, PointParameters, Radii, ResolvedLaw, TangentialReading, TractionLaw,
+    FoundationLaw, Growth, PointParameters, Radii, ResolvedLaw, TractionLaw,
 };
 use rayon::prelude::*;
 use scenes::{Bins, Friction, RadialRule, Scene};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// Interferences are expected up to that which carries so many times the mean pressure of the bolts.
 const PRESSURE_REACH: f64 = 10.0;
@@ -60,40 +60,6 @@ pub struct ResolvedReport {
     /// Interference at the onset of yield (m) (mean over the populations); none for elastic asperities.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub onset_of_yield: Option<f64>,
-}
-
-/// Numbers of bins or springs that were found for populations, with their errors: parts of an interface with the same surface find them once.
-#[derive(Default)]
-pub(super) struct Counted(Mutex<Vec<(Counting, (usize, [f64; 3]))>>);
-
-/// What a number of parts is found for.
-#[derive(PartialEq)]
-struct Counting {
-    /// Asperities, populations and the interferences up to which they are expected (m).
-    of: Vec<(Asperity, AsperityPopulation, f64)>,
-    reading: TangentialReading,
-    bins: Bins,
-    /// Springs about interferences at rest, or bins.
-    are_springs: bool,
-}
-
-impl Counted {
-    /// What is known of these, or is `found` now.
-    fn or(
-        &self,
-        of: Counting,
-        found: impl FnOnce() -> Result<(usize, [f64; 3]), Error>,
-    ) -> Result<(usize, [f64; 3]), Error> {
-        let all = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = all().iter().find(|(known, _)| *known == of).map(|(_, found)| *found);
-        if let Some(known) = known {
-            return Ok(known);
-        }
-        // Two threads may find the same: one that waits could hold up what the other one waits for.
-        let found = found()?;
-        all().push((of, found));
-        Ok(found)
-    }
 }
 
 /// One population and what stands for it at points.
@@ -253,11 +219,10 @@ impl Asperities {
         });
         let sources = sources.collect::<Result<Vec<_>, Error>>()?;
         // Curves by boundary elements follow from more than their populations.
-        let counted = |are_springs: bool, found: &dyn Fn() -> Result<(usize, [f64; 3]), Error>| match &pressed {
+        let counted = |are_springs: bool, found: &dyn Fn() -> Result<Count, Error>| match &pressed {
             Some(_) => found(),
             None => {
-                let of = sources.iter();
-                let of = of.map(|source| (source.asperity, source.population.clone(), source.reach));
+                let of = measured(&sources).map(|source| (source.asperity, source.population.clone(), source.reach));
                 let counting = Counting {
                     of: of.collect(),
                     reading: law.tangential,
@@ -406,16 +371,20 @@ fn place(element: u32, point: usize) -> usize {
     (shift * PLACES as f64) as usize
 }
 
+/// The populations that errors are measured at, and what belongs to them.
+fn measured<T>(of_all: &[T]) -> impl Iterator<Item = &T> {
+    of_all.iter().step_by(of_all.len().div_ceil(MEASURED).max(1))
+}
+
 /// Gauss parts per point, and the errors measured with them.
-fn count<P: Parts>(sources: &[Source<'_>], bins: Bins) -> Result<(usize, [f64; 3]), Error> {
-    let every = sources.len().div_ceil(MEASURED).max(1);
-    let mut measured = Vec::with_capacity(MEASURED);
-    for source in sources.iter().step_by(every) {
+fn count<P: Parts>(sources: &[Source<'_>], bins: Bins) -> Result<Count, Error> {
+    let mut with_finest = Vec::with_capacity(MEASURED);
+    for source in measured(sources) {
         let finest = P::gauss(source, FINEST, &[0.0])?;
-        measured.extend(finest.into_iter().map(|finest| (source, finest)));
+        with_finest.extend(finest.into_iter().map(|finest| (source, finest)));
     }
     let errors = |count: usize| {
-        let of_each = measured
+        let of_each = with_finest
             .par_iter()
             .map(|(source, finest)| source.errors(bins, count, finest));
         largest(of_each.collect::<Vec<_>>())
@@ -424,9 +393,8 @@ fn count<P: Parts>(sources: &[Source<'_>], bins: Bins) -> Result<(usize, [f64; 3
 }
 
 /// Springs per point about its interference at rest, and the errors measured with them.
-fn count_about(sources: &[Source<'_>], growths: &[Growth], bins: Bins) -> Result<(usize, [f64; 3]), Error> {
-    let every = sources.len().div_ceil(MEASURED).max(1);
-    let measured: Vec<_> = sources.iter().zip(growths).step_by(every).collect();
+fn count_about(sources: &[Source<'_>], growths: &[Growth], bins: Bins) -> Result<Count, Error> {
+    let measured: Vec<_> = measured(sources).zip(measured(growths)).collect();
     let shifts = (0..MEASURED_PLACES).map(|place| place as f64 / MEASURED_PLACES as f64);
     let shifts: Vec<f64> = shifts.collect();
     let finest = measured
@@ -463,11 +431,7 @@ fn largest(all: Vec<Result<[f64; 3], Error>>) -> Result<[f64; 3], Error> {
 }
 
 /// The number that is given, or the fewest parts whose errors are borne; with their errors.
-fn fewest(
-    bins: Bins,
-    counts: &[usize],
-    errors: impl Fn(usize) -> Result<[f64; 3], Error>,
-) -> Result<(usize, [f64; 3]), Error> {
+fn fewest(bins: Bins, counts: &[usize], errors: impl Fn(usize) -> Result<[f64; 3], Error>) -> Result<Count, Error> {
     match bins {
         Bins::Gauss(n) | Bins::EquallySpaced(n) => Ok((n, errors(n)?)),
         Bins::Error(target) => {
