@@ -53,7 +53,8 @@ pub(super) fn bins(parts: &[PartReport]) -> usize {
     resolved.map(|report| report.bins).max().unwrap_or(0)
 }
 
-/// The interfaces of a scene with another number of each setting of the law that it has, and as many `bins`; `told` hears how much is done, and may stop it.
+/// The interfaces of a scene with another number of each setting of the law that it has. `interface` is its own, with `bins` at a point at most; `told`
+/// hears how much is done, and may stop it.
 ///
 /// # Errors
 /// Of `told`.

@@ -267,7 +267,7 @@ impl Tables {
         }
     }
 
-    /// Whether no asperity of a bin, and of those after it, is closed at the points of a block with these interferences. Not so where one has a past.
+    /// Whether the asperities of a bin and of all after it are open at the points of a block with these interferences, if none has a dent.
     fn are_open_from(&self, bin: usize, sets: &[u32], u_n: &[f64]) -> bool {
         let n_sets = self.asperities.len();
         let Some(least) = self.least.get(bin * n_sets..).filter(|least| !least.is_empty()) else {
