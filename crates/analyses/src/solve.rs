@@ -10,7 +10,7 @@ use super::finite_differences;
 use super::mode_backbone::{ModeAnalysis, ModeBackbone};
 use super::outcome::Analysis;
 use super::prepared::{Prepared, prepare};
-use super::prestress::{PrestressResult, closing_force};
+use super::prestress::PrestressResult;
 use super::run::Run;
 use super::sensitivities::Sensitivity;
 use super::solver::{Solver, kept};
@@ -113,7 +113,6 @@ impl Prepared {
         progress.begin(Stage::Ensemble);
         // Fields, other methods and other modes are left to the measured law.
         let scene = ensemble::loops_alone(&self.scene, false);
-        let load = closing_force(&scene, &self.model);
         let checkpoint = match kept(&scene, &self.options)? {
             None => Checkpoint::default(),
             Some((directory, mut key)) => {
@@ -134,7 +133,7 @@ impl Prepared {
             ..self.solver()
         };
         let analyse = |k, progress: &dyn Progress| {
-            let (interface, closure) = self.interface.realisation(k, load)?;
+            let (interface, closure) = self.interface.realisation(k)?;
             solver.analyse(&scene, &interface, closure, None, progress)
         };
         let (members, checkpoints) = realisations.run(checkpoint, analyse, Member::new)?;

@@ -314,8 +314,7 @@ fn realisations_without_the_tallest_peak_begin_later_and_agree_with_their_sums()
     let mesh = structure().interface().clone();
     let found = ScannedSurface::try_new(&scene, &mesh).unwrap().found;
     let interface = prepared.interface();
-    let load = 3.0 * scene.bolts.load.si();
-    let (realisation, closure) = interface.realisation(1, load).unwrap();
+    let (realisation, closure) = interface.realisation(1).unwrap();
     assert!(closure > 0.0);
     let drawn = found.realisation(1).unwrap();
     let operators = realisation.operators();

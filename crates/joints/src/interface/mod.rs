@@ -179,12 +179,15 @@ impl PartLaw {
         })
     }
 
+    /// Whether the parameters of its law are given.
+    fn is_given(&self) -> bool {
+        matches!(self.from, Source::NumberOrText(_))
+    }
+
     /// Whether its law follows the pressures at rest.
     fn follows_rest(&self) -> bool {
         let law = &self.scene.interfaces.law;
-        matches!(self.from, Source::Asperities(_))
-            && law.friction() == Friction::Foundation
-            && !matches!(law.bins, Bins::EquallySpaced(_))
+        !self.is_given() && law.friction() == Friction::Foundation && !matches!(law.bins, Bins::EquallySpaced(_))
     }
 
     /// With its law for the pressures at rest, where it follows them.
@@ -365,10 +368,8 @@ impl SceneInterface {
                 .collect::<Result<_, _>>()?,
         };
         let interface = joined(&operators, &built)?;
-        let is_given = built
-            .iter()
-            .all(|(_, part)| matches!(part.from, Source::NumberOrText(_)));
-        let closure = match is_given && load == 0.0 {
+        let are_given = built.iter().all(|(_, part)| part.is_given());
+        let closure = match are_given && load == 0.0 {
             true => 0.0,
             false => uniform_closure(&interface, load)?,
         };
@@ -462,10 +463,10 @@ impl SceneInterface {
     ///
     /// # Errors
     /// [`Error::NoSamples`] unless the surface of all parts is scanned; else as [`SceneInterface::try_new`].
-    pub fn realisation(&self, k: usize, load: f64) -> Result<(Interface, f64), Error> {
+    pub fn realisation(&self, k: usize) -> Result<(Interface, f64), Error> {
         let mut laws = Vec::with_capacity(self.parts.len());
         let mut gap = Vec::new();
-        let (mean, counted) = (load / self.operators.area(), Counted::default());
+        let (mean, counted) = (self.load / self.operators.area(), Counted::default());
         for (_, part) in &self.parts {
             let points = gap.len()..gap.len() + part.gap.len();
             let pressures = Pressures {
@@ -481,7 +482,7 @@ impl SceneInterface {
             *gap += own;
         }
         let interface = Interface::try_new(self.operators.clone(), laws, gap)?;
-        let closure = uniform_closure(&interface, load)?;
+        let closure = uniform_closure(&interface, self.load)?;
         Ok((interface, closure))
     }
 
@@ -535,8 +536,7 @@ fn joined(operators: &Arc<Operators>, parts: &[(String, PartLaw)]) -> Result<Int
     }
     let gap = parts.iter().flat_map(|(_, part)| part.gap.iter().copied()).collect();
     let interface = Interface::try_new(operators.clone(), laws, gap)?;
-    let are_given = |(_, part): &(String, PartLaw)| matches!(part.from, Source::NumberOrText(_));
-    Ok(match parts.iter().any(are_given) {
+    Ok(match parts.iter().any(|(_, part)| part.is_given()) {
         true => interface.with_interference(parts.iter().flat_map(|(_, part)| part.interference()).collect())?,
         false => interface,
     })

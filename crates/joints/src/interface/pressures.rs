@@ -30,7 +30,7 @@ pub(super) struct Counting {
     pub(super) of: Vec<(Asperity, AsperityPopulation, f64)>,
     pub(super) reading: TangentialReading,
     pub(super) bins: Bins,
-    /// Springs about interferences at rest, or bins.
+    /// Springs, about interferences at rest unless `bins` are equally spaced; otherwise bins.
     pub(super) are_springs: bool,
 }
 

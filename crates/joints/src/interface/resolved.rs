@@ -258,7 +258,7 @@ impl Asperities {
                     (springs, most, Some(errors))
                 }
                 (Bins::EquallySpaced(_), _) => {
-                    let (count, errors) = count::<Foundation>(&sources, law.bins)?;
+                    let (count, errors) = counted(true, &|| count::<Foundation>(&sources, law.bins))?;
                     let (springs, most) = self.parts_of(&sources, law.bins, count, element_of)?;
                     (springs, most, Some(errors))
                 }

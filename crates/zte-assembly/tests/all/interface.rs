@@ -12,7 +12,7 @@ use std::sync::Arc;
 use zte_assembly::flux::LoopArea;
 use zte_assembly::quadrature::Quadrature;
 use zte_assembly::shape::{QUAD4, QUAD8, SHAPES, TRI3};
-use zte_assembly::{Element, Error, Interface, InterfaceMesh, Operators, PointContact};
+use zte_assembly::{Element, Error, Interface, InterfaceMesh, Operators, PointContact, State};
 
 const NORMAL: f64 = 3e13;
 const TANGENTIAL: [f64; 2] = [2e13, 1e13];
@@ -396,18 +396,13 @@ fn quadratic_elements_follow_curved_edges() {
     assert!((area / operators.area() - 1.0).abs() < 1e-13);
 }
 
-fn force_at(interface: &Interface, u: &[f64], mu_state: &zte_assembly::State) -> Vec<f64> {
-    let (mut end, mut workspace) = (mu_state.clone(), interface.workspace());
-    let mut force = vec![0.0; interface.n_dofs()];
-    interface.evaluate(
-        u,
-        Sticking::Coulomb,
-        mu_state,
-        &mut end,
-        &mut workspace,
-        &mut force,
-        None,
-    );
+fn force_at(interface: &Interface, u: &[f64], begin: &State) -> Vec<f64> {
+    force_into(interface, u, begin, &mut begin.clone())
+}
+
+fn force_into(interface: &Interface, u: &[f64], begin: &State, end: &mut State) -> Vec<f64> {
+    let (mut workspace, mut force) = (interface.workspace(), vec![0.0; interface.n_dofs()]);
+    interface.evaluate(u, Sticking::Coulomb, begin, end, &mut workspace, &mut force, None);
     force
 }
 
@@ -427,17 +422,8 @@ fn a_history_that_is_no_number_spoils_its_points_alone() {
     let expected = force_at(&interface, &sound, &start);
     let mut spoilt = sound.clone();
     spoilt[0] = f64::NAN;
-    let (mut end, mut workspace) = (start.clone(), interface.workspace());
-    let mut force = vec![0.0; interface.n_dofs()];
-    interface.evaluate(
-        &spoilt,
-        Sticking::Coulomb,
-        &start,
-        &mut end,
-        &mut workspace,
-        &mut force,
-        None,
-    );
+    let mut end = start.clone();
+    force_into(&interface, &spoilt, &start, &mut end);
     let found = force_at(&interface, &sound, &end);
     assert!(found[0].is_nan() && found[2].is_nan());
     let last = expected.len() - 3;
@@ -447,17 +433,7 @@ fn a_history_that_is_no_number_spoils_its_points_alone() {
         &found[last..]
     );
     // And back from a state that is sound, into the same room.
-    let (begin, mut end) = (start, end);
-    interface.evaluate(
-        &sound,
-        Sticking::Coulomb,
-        &begin,
-        &mut end,
-        &mut workspace,
-        &mut force,
-        None,
-    );
-    assert_eq!(force, expected);
+    assert_eq!(force_into(&interface, &sound, &start, &mut end), expected);
     assert!(force_at(&interface, &sound, &end).iter().all(|force| force.is_finite()));
 }
 
