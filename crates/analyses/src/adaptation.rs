@@ -182,7 +182,7 @@ impl AdaptationStep {
             let number = self.numbers[&dial];
             let excess = excess(dial);
             let wanted = if excess > 1.0 && !met {
-                // Errors by bins, which slip one after the other, fall with their number, the others with its square.
+                // Errors by bins, which slip one after the other, fall with their number, the others with its square at least.
                 let factor = if dial == Dial::Bins { excess } else { excess.sqrt() };
                 (number as f64 * factor.min(GROWTH)).ceil() as usize
             } else if excess < NEXT_TO_NOTHING && may_shrink {
@@ -195,7 +195,7 @@ impl AdaptationStep {
             let wanted = match dial {
                 // The numbers that errors are estimated with.
                 Dial::Points if wanted > 2 => wanted | 1,
-                Dial::Bins => wanted.next_multiple_of(2),
+                Dial::Bins | Dial::Vertices => wanted.next_multiple_of(2),
                 _ => wanted,
             };
             if wanted != number {

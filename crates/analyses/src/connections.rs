@@ -2,6 +2,7 @@
 //! degree of freedom in other programs have them.
 
 use super::amplitude::{ConnectionLoop, Fields};
+use cqsma_solver::hysteresis::Loop;
 use finite_elements::mesh::{Assembly, Dof, LoadPattern};
 use joint_model::{Bodies, Joint};
 use nalgebra::{Matrix2, Vector3};
@@ -206,16 +207,13 @@ impl<'a> Walked<'a> {
                     });
                 0.5 * (ends[1] - ends[0])
             };
-            // Relative to the first vertex, so that the prestress does not enter through round-off.
-            let first = path.first().copied().unwrap_or_default();
-            let next = path.iter().skip(1).chain(path.first());
-            let edge = |(a, b): (&[f64; 2], &[f64; 2])| (0.5 * (a[1] + b[1]) - first[1]) * (b[0] - a[0]);
+            let (amplitude, force) = path.iter().map(|at| (at[0], at[1])).unzip();
             let energy = |p: &usize| weights[*p] * flux.iter().map(|flux| flux[*p]).sum::<f64>();
             ConnectionLoop {
                 direction: direction.map(|v| sign * v),
                 displacement: half_range(0),
                 force: half_range(1),
-                loop_area: path.iter().zip(next).map(edge).sum(),
+                loop_area: Loop { force, amplitude }.area(),
                 dissipation: connection.points.iter().map(energy).sum(),
                 coherence: *coherence,
             }

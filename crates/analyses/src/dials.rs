@@ -74,10 +74,10 @@ impl Dial {
     }
 
     /// Estimated error of the present number over what the other number changes: with errors that fall with the square of the number twice as
-    /// many leave a quarter of them, five points per direction for three 9/25, and half as many vertices make four times as many; rounded up.
+    /// many leave a quarter of them and five points per direction for three 9/25, rounded up. Half as many vertices change more than all of them leave.
     pub(super) fn share(self) -> f64 {
         match self {
-            Self::Vertices => 0.5,
+            Self::Vertices => 1.0,
             _ => 1.5,
         }
     }

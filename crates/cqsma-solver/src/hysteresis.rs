@@ -12,17 +12,58 @@ pub struct Loop {
     pub amplitude: Vec<f64>,
 }
 
+/// Simpson's rule from the trapezoidal rule with all vertices and with every second one: the part of either.
+pub(crate) const SIMPSON: [f64; 2] = [4.0 / 3.0, -1.0 / 3.0];
+
 impl Loop {
-    /// Area of the closed polygon, positive for dissipation (J); the sum is signed.
+    /// Area of the closed loop, positive for dissipation (J); the sum is signed.
+    ///
+    /// By Simpson's rule along the branches, which is of fourth order in the vertices. The branches are of the same even number of edges, in pairs of
+    /// equal steps of force; with another number of edges the loop is the polygon of its vertices.
     pub fn area(&self) -> f64 {
-        polygon(&self.force, &self.amplitude, 1)
+        self.every(1).combined(Self::polygon)
     }
 
-    /// Area from every second vertex: with [`Loop::area`] it tells how well the loop is resolved.
+    /// The same from every second vertex: with [`Loop::area`] it tells how well the loop is resolved.
     ///
     /// `None` unless the number of edges is even.
     pub fn coarse_area(&self) -> Option<f64> {
-        (self.force.len() % 2 == 1).then(|| polygon(&self.force, &self.amplitude, 2))
+        (self.force.len() % 2 == 1).then(|| self.every(2).combined(Self::polygon))
+    }
+
+    /// The loop from every so many vertices.
+    fn every(&self, stride: usize) -> Self {
+        let of = |all: &[f64]| all.iter().step_by(stride).copied().collect();
+        Self {
+            force: of(&self.force),
+            amplitude: of(&self.amplitude),
+        }
+    }
+
+    /// Whether both branches are pairs of edges.
+    fn has_pairs(&self) -> bool {
+        self.force.len() % 4 == 1 && self.force.len() > 1
+    }
+
+    /// A linear rule that is of second order in the vertices, made one of fourth order.
+    fn combined(&self, rule: impl Fn(&Self) -> f64) -> f64 {
+        if self.has_pairs() {
+            SIMPSON[0] * rule(self) + SIMPSON[1] * rule(&self.every(2))
+        } else {
+            rule(self)
+        }
+    }
+
+    /// `closed integral of force d amplitude` of the polygon.
+    fn polygon(&self) -> f64 {
+        let (Some(force), Some(amplitude)) = (self.force.first(), self.amplitude.first()) else {
+            return 0.0;
+        };
+        // Relative to the first vertex, so that the offset of a loop cannot enter through round-off.
+        let at = |(f, q): (&f64, &f64)| (f - force, q - amplitude);
+        let vertices = || self.force.iter().zip(&self.amplitude).map(at);
+        let next = vertices().skip(1).chain(std::iter::once((0.0, 0.0)));
+        vertices().zip(next).map(|(a, b)| 0.5 * (a.0 + b.0) * (b.1 - a.1)).sum()
     }
 
     /// Damping ratio of a loop with the peak force `peak`: its area over `2 pi q alpha`, as `(q omega)^2 = q alpha` (eq. 42).
@@ -41,11 +82,17 @@ impl Loop {
     }
 
     /// Angular frequency of the sinusoidal motion of the loop's range that the force balances in its first harmonic (rad/s):
-    /// with `q = middle + Q cos(theta)`, `omega^2 = 1/(pi Q) closed integral of force cos(theta) d theta`, exact on the edges.
+    /// with `q = middle + Q cos(theta)`, `omega^2 = 1/(pi Q) closed integral of force cos(theta) d theta`, exact on the edges of the polygon and of the
+    /// order of [`Loop::area`].
     ///
     /// The secant takes the force at the reversals for the whole of the motion; a free oscillation feels all of it, and
     /// where the loop bends has a period closer to this one.
     pub fn harmonic_omega(&self) -> f64 {
+        self.combined(Self::harmonic_square).sqrt()
+    }
+
+    /// The square of it for the polygon.
+    fn harmonic_square(&self) -> f64 {
         let (low, high) = self.extremes();
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         // Loops begin at the positive reversal: down in the first half of the vertices, up in the second.
@@ -66,14 +113,41 @@ impl Loop {
                 force / way * squares
             }
         };
-        ((0..last).map(edge).sum::<f64>() / PI).sqrt()
+        (0..last).map(edge).sum::<f64>() / PI
+    }
+
+    /// Derivatives of [`Loop::area`] with respect to the amplitudes of the vertices, at the same forces.
+    pub(crate) fn area_weights(&self) -> Vec<f64> {
+        self.combined_weights(|polygon| {
+            let force = &polygon.force;
+            let n = force.len();
+            (0..n)
+                .map(|i| 0.5 * (force[(i + n - 1) % n] - force[(i + 1) % n]))
+                .collect()
+        })
     }
 
     /// Derivatives of the square of [`Loop::harmonic_omega`] with respect to the amplitudes of the vertices, at the same forces.
-    ///
+    pub(crate) fn harmonic_weights(&self) -> Vec<f64> {
+        self.combined_weights(Self::harmonic_square_weights)
+    }
+
+    /// [`Loop::combined`] of the derivatives that belong to the vertices.
+    fn combined_weights(&self, rule: impl Fn(&Self) -> Vec<f64>) -> Vec<f64> {
+        let mut weights = rule(self);
+        if self.has_pairs() {
+            weights.iter_mut().for_each(|weight| *weight *= SIMPSON[0]);
+            let coarse = rule(&self.every(2));
+            for (weight, coarse) in weights.iter_mut().step_by(2).zip(coarse) {
+                *weight += SIMPSON[1] * coarse;
+            }
+        }
+        weights
+    }
+
     /// With `x = cos(theta)` an edge gives its force times `(g(b) - g(a)) / (x(b) - x(a))`, where `dg/dx = -sin(theta)`: it has a slope where
     /// `theta` itself has none, at the reversals.
-    pub(crate) fn harmonic_weights(&self) -> Vec<f64> {
+    fn harmonic_square_weights(&self) -> Vec<f64> {
         let (low, high) = self.extremes();
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         let last = self.amplitude.len().saturating_sub(1);
@@ -100,7 +174,7 @@ impl Loop {
             weights[i] += force * (slope + a.sin()) / way;
             weights[i + 1] -= force * (slope + b.sin()) / way;
         }
-        let omega2 = self.harmonic_omega().powi(2);
+        let omega2 = self.harmonic_square();
         let factor = 1.0 / (PI * half * half);
         let all: f64 = weights.iter().sum();
         let stretched: f64 = weights.iter().enumerate().map(|(i, weight)| weight * place(i)).sum();
@@ -124,20 +198,6 @@ impl Loop {
             _ => 0.0,
         }
     }
-}
-
-/// `closed integral of force d amplitude` by trapezoids over every `stride`-th vertex.
-fn polygon(force: &[f64], amplitude: &[f64], stride: usize) -> f64 {
-    let vertices: Vec<usize> = (0..force.len()).step_by(stride).collect();
-    let Some(&first) = vertices.first() else { return 0.0 };
-    let next = vertices.iter().skip(1).chain(std::iter::once(&first));
-    // Relative to the first vertex, so that the offset of a loop cannot enter through round-off.
-    let at = |i: usize| (force[i] - force[first], amplitude[i] - amplitude[first]);
-    vertices
-        .iter()
-        .zip(next)
-        .map(|(&a, &b)| 0.5 * (at(a).0 + at(b).0) * (at(b).1 - at(a).1))
-        .sum()
 }
 
 #[cfg(test)]

@@ -522,16 +522,10 @@ impl<F: DifferentiableForce> Follower<F> for Companion<'_, F> {
         };
         weights[number(high)?][0] += 0.5;
         weights[number(low)?][0] -= 0.5;
-        // The area of the closed polygon, edge by edge.
-        let first = *hysteresis.force.first()?;
-        for (at, &from) in numbers.iter().enumerate() {
-            let next = (at + 1) % numbers.len();
-            let force = 0.5 * (hysteresis.force[at] + hysteresis.force[next]) - first;
-            weights[numbers[next]][1] += force;
-            weights[from][1] -= force;
-        }
-        for (weight, number) in hysteresis.harmonic_weights().into_iter().zip(numbers) {
-            weights[*number][2] += weight;
+        for (goal, of_vertices) in [(1, hysteresis.area_weights()), (2, hysteresis.harmonic_weights())] {
+            for (weight, number) in of_vertices.into_iter().zip(numbers) {
+                weights[*number][goal] += weight;
+            }
         }
         let mut sums = self.sweep(&weights, path)?;
         let [half, area] = [0.5 * (high - low), hysteresis.area()];

@@ -43,7 +43,7 @@ where
 type Column<T> = (&'static str, fn(&T) -> String);
 
 /// Every column of a backbone beside the number.
-const COLUMNS: [Column<BackboneSummary>; 27] = [
+const COLUMNS: [Column<BackboneSummary>; 28] = [
     ("converged", |b| b.converged.to_string()),
     ("response_displacement [m]", |b| optional(b.response_displacement)),
     ("response_acceleration [m/s^2]", |b| optional(b.response_acceleration)),
@@ -73,6 +73,9 @@ const COLUMNS: [Column<BackboneSummary>; 27] = [
     ("open_fraction [-]", |b| optional(b.open_fraction)),
     ("shape_deviation [-]", |b| optional(b.shape_deviation)),
     ("cycles", |b| b.cycles.map_or_else(String::new, |n| n.to_string())),
+    ("vertices_per_quarter", |b| {
+        b.vertices_per_quarter.map_or_else(String::new, |n| n.to_string())
+    }),
     ("loop_closure [-]", |b| optional(b.loop_closure)),
     ("residual [-]", |b| optional(b.residual)),
     ("error_frequency [-]", |b| {

@@ -101,6 +101,9 @@ pub struct BackboneSummary {
     pub shape_deviation: Option<f64>,
     /// Cycles computed, the measured one included.
     pub cycles: Option<usize>,
+    /// Vertices per quarter of the measured loop: those of the scene, or more where these did not resolve the damping.
+    #[serde(default)]
+    pub vertices_per_quarter: Option<usize>,
     /// Whether the measured loop was computed one way only, because the cycle before it dissipated nothing and
     /// nothing slips or opens on the way.
     #[serde(default)]

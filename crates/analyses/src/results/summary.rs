@@ -853,6 +853,7 @@ fn backbone_point(amplitude: &AmplitudeResult, run: &Run, [background, holds]: [
         factorisations: point.effort.factorisations,
         shape_deviation: result.map(|r| r.shape_deviation),
         cycles: result.map(|r| r.cycles),
+        vertices_per_quarter: result.map(|r| r.vertices_per_quarter()),
         one_way: result.map(|r| r.one_way),
         closed: result
             .filter(|_| scene.analyses.backbone.cycles.is_none())
