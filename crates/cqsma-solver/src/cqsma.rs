@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::force::HystereticForce;
 use crate::hysteresis::Loop;
-use crate::linear::Motion;
+use crate::linear::{Motion, Stuck};
 use crate::modes::{Linearisation, Mode};
 use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
@@ -373,11 +373,14 @@ fn run_loop<F: HystereticForce, O: LoopObserver<F::Workspace>>(
     followers: &Followers<'_, F>,
 ) -> BackbonePoint {
     let mut effort = Effort::default();
+    let mut slipping = None;
     let mut measure = |settings: &Settings| {
         let mut tracer = LoopTracer::new(structure, force, mode, peak, settings);
         tracer.follower = followers();
+        tracer.path.sequence.slipping = slipping.take();
         let found = tracer.measure(structure, observer);
         effort += tracer.path.sequence.effort;
+        slipping = tracer.path.sequence.slipping.take();
         found
     };
     let mut settings = *settings;
@@ -459,6 +462,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         observer: &mut O,
     ) -> Result<LoopResult, Failure> {
         let mut counts = self.branch(self.peak, self.settings.vertices_per_quarter, &mut |_| {})?;
+        self.precondition();
         // Whether nothing that can be told from the residuals is dissipated.
         let mut quiet = !self.path.equilibrium.force.dissipates();
         let most = match self.settings.cycles {
@@ -478,6 +482,21 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
             quiet = is_quiet;
             counts = found.counts;
         }
+    }
+
+    /// Makes a preconditioner of the tangent at the peak where the steps that it is likely to spare take longer. Its inverse takes as long as an eighth as
+    /// many products as there are coordinates; of the steps of the cycles, which take four times those of the first loading or more, it spares up to a
+    /// half.
+    fn precondition(&mut self) {
+        let Path {
+            equilibrium, sequence, ..
+        } = &mut self.path;
+        if sequence.slipping.is_some() || 16 * sequence.effort.krylov_steps < self.mode.shape.len() {
+            return;
+        }
+        let force = equilibrium.force;
+        let (pattern, tangent) = (force.pattern(), &sequence.tangent);
+        sequence.slipping = Stuck::slipping(equilibrium.stiffness, pattern, tangent, force.reflections());
     }
 
     /// The loop from where the path is, at its positive peak, with the number of the cycle, whether those before dissipate nothing, and the regimes at the

@@ -98,7 +98,8 @@ pub(crate) struct RoundOff {
     pub(crate) force: f64,
 }
 
-/// The structure with everything in contact stuck, or one that is near it and its own mirror image, `P`: preconditioner and energy norm.
+/// The structure with everything in contact stuck, or one that is near it and its own mirror image, `P`: preconditioner and energy norm. With another
+/// symmetric tangent of the contact it is a preconditioner alone.
 #[derive(Clone, Debug)]
 pub(crate) struct Stuck {
     flexibility: Flexibility,
@@ -199,6 +200,34 @@ impl Stuck {
             largest = motion.norm();
         }
         largest
+    }
+
+    /// That at the tangent of a state that slips, symmetrised: a preconditioner beside the stuck one. None of a structure in blocks, whose factors are
+    /// large, and where the tangent is not positive definite.
+    pub(crate) fn slipping(
+        stiffness: SystemMatrixRef<'_>,
+        pattern: PatternView<'_>,
+        tangent: &[f64],
+        reflections: Vec<Reflection>,
+    ) -> Option<Self> {
+        stiffness.dense()?;
+        Self::try_new(stiffness, pattern, &symmetrised(pattern, tangent), reflections).ok()
+    }
+
+    /// Sum of the differences of tangent values (N/m).
+    fn difference(&self, tangent: &[f64]) -> f64 {
+        self.tangent.iter().zip(tangent).map(|(a, b)| (a - b).abs()).sum()
+    }
+
+    /// Whether the contact in `P` is nearer to `tangent` than the one in `other`.
+    pub(crate) fn is_nearer(&self, tangent: &[f64], other: &Self) -> bool {
+        self.difference(tangent) < other.difference(tangent)
+    }
+
+    /// Gives a motion, whose force is that of this structure, the force of `other`.
+    fn hand_over(&self, motion: &mut Motion, pattern: PatternView<'_>, other: &Self) {
+        let difference: Vec<f64> = other.tangent.iter().zip(&self.tangent).map(|(a, b)| a - b).collect();
+        pattern.add_product(&difference, &motion.v, &mut motion.p);
     }
 
     /// Tangent values of the contact in `P`.
@@ -409,6 +438,21 @@ pub(crate) fn solve_krylov(
         basis.push(scaled(&image, length));
     }
     None
+}
+
+/// [`solve_krylov`] for the force `r` with `near` in the place of the stuck structure, to which the solution belongs; one product more.
+pub(crate) fn solve_near(
+    near: &Stuck,
+    stuck: &Stuck,
+    pattern: PatternView<'_>,
+    tangent: &[f64],
+    r: &[f64],
+    tolerance: f64,
+) -> Option<(Motion, usize)> {
+    let start = near.response(r);
+    let (mut x, steps) = solve_krylov(near, pattern, tangent, None, &start, start.norm(), tolerance)?;
+    near.hand_over(&mut x, pattern, stuck);
+    Some((x, steps + 1))
 }
 
 /// Solves `(stiffness + tangent) x = b`, or the bordered system, by GMRES up to `tolerance` (relative, energy norm), and directly where that is not

@@ -1,7 +1,7 @@
 //! Newton's method for the equilibrium of a structure with a hysteretic force.
 
 use crate::force::HystereticForce;
-use crate::linear::{Border, Motion, RoundOff, Stuck, solve_direct, solve_krylov};
+use crate::linear::{Border, Motion, RoundOff, Stuck, solve_direct, solve_krylov, solve_near};
 use contact_laws::{RegimeCounts, Sticking};
 use dense_algebra::{Limits, SystemMatrixRef, Vector, dot};
 
@@ -222,7 +222,10 @@ pub(crate) struct Sequence<F: HystereticForce> {
     total: Vec<f64>,
     /// Force of the contact at the last evaluation: that at the solution, after a solve.
     pub(crate) contact: Vec<f64>,
-    tangent: Vec<f64>,
+    /// That at the last evaluation.
+    pub(crate) tangent: Vec<f64>,
+    /// Preconditioner that takes the place of the stuck structure where the tangent is nearer to it.
+    pub(crate) slipping: Option<Stuck>,
     trial: Motion,
     /// Residual force, and the stuck structure's response to it.
     residual: Motion,
@@ -242,6 +245,7 @@ impl<F: HystereticForce> Sequence<F> {
             total: vec![0.0; force.n_dofs()],
             contact: vec![0.0; force.n_dofs()],
             tangent: vec![0.0; force.pattern().indices.len()],
+            slipping: None,
             trial: motion.clone(),
             residual: Motion::zero(n),
             inertia: Motion::zero(n),
@@ -346,15 +350,12 @@ impl<F: HystereticForce> Equilibrium<'_, F> {
         };
         let border = border.as_ref();
         if solver == LinearSolver::Krylov {
-            let found = solve_krylov(
-                self.stuck,
-                pattern,
-                tangent,
-                border,
-                &sequence.residual,
-                merit,
-                tolerance,
-            );
+            let slipping = sequence.slipping.as_ref();
+            let near = slipping.filter(|slipping| border.is_none() && slipping.is_nearer(tangent, self.stuck));
+            let residual = &sequence.residual;
+            let found = near
+                .and_then(|near| solve_near(near, self.stuck, pattern, tangent, &residual.p, tolerance))
+                .or_else(|| solve_krylov(self.stuck, pattern, tangent, border, residual, merit, tolerance));
             if let Some((step, steps)) = found {
                 sequence.effort.krylov_steps += steps;
                 return Some(step);
