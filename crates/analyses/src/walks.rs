@@ -26,7 +26,7 @@ const MANY: usize = 16;
 const MANY_SPRINGS: usize = 66;
 
 /// Edges of a loop that the walks go along, where it has a multiple of them: differences of laws need no more.
-const EDGES: usize = 8;
+const EDGES: usize = 4;
 
 /// The interface with another number of a setting, or none where it could not be built.
 #[derive(Debug)]

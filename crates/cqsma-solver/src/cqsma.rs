@@ -212,8 +212,10 @@ impl LoopResult {
 
     /// Whether the vertices resolve the damping.
     fn has_enough_vertices(&self) -> bool {
-        let coarse = self.coarse_loop_area.unwrap_or(f64::NAN);
-        let change = (self.zeta * (1.0 - coarse / self.loop_area)).abs();
+        let energy = 2.0 * PI * (self.modal_amplitude * self.omega).powi(2);
+        let change = self
+            .coarse_loop_area
+            .map_or(f64::INFINITY, |coarse| (self.loop_area - coarse).abs() / energy);
         change <= (RESOLVED * self.zeta.abs()).max(NEGLIGIBLE).max(self.zeta_floor)
     }
 

@@ -204,8 +204,55 @@ impl Loop {
 mod tests {
     use super::*;
 
+    /// A loop of Mindlin's kind of so many vertices per quarter: the branches are `q = 1 - 2 b(x)` with `b(x) = 1 - (1 - x)^(2/3)` smooth up to their
+    /// ends, and equal steps of force.
+    fn branches(vertices_per_quarter: usize) -> Loop {
+        let edges = 2 * vertices_per_quarter;
+        let along = |i: usize| i as f64 / edges as f64;
+        let slipped = |x: f64| (1.0 - (1.0 - 0.8 * x).powf(2.0 / 3.0)) / (1.0 - 0.2_f64.powf(2.0 / 3.0));
+        let down = (0..=edges).map(|i| (1.0 - 2.0 * along(i), 1.0 - 2.0 * slipped(along(i))));
+        let up = (1..=edges).map(|i| (2.0 * along(i) - 1.0, 2.0 * slipped(along(i)) - 1.0));
+        let (force, amplitude) = down.chain(up).unzip();
+        Loop { force, amplitude }
+    }
+
     #[test]
-    fn weights_of_the_first_harmonic_are_its_slopes() {
+    fn areas_are_of_fourth_order_and_first_harmonics_converge_faster_than_polygons() {
+        // The integral of b over x from 0 to 1.
+        let mean = (1.0 - 0.6 * (1.0 - 0.2_f64.powf(5.0 / 3.0)) / 0.8) / (1.0 - 0.2_f64.powf(2.0 / 3.0));
+        let area = 4.0 * (1.0 - 2.0 * mean);
+        let fine = branches(4096).harmonic_square();
+        let errors = |n: usize| {
+            let found = branches(n);
+            let coarse = found.coarse_area().unwrap();
+            [
+                found.area() / area - 1.0,
+                coarse / area - 1.0,
+                found.polygon() / area - 1.0,
+                found.harmonic_omega().powi(2) / fine - 1.0,
+                found.harmonic_square() / fine - 1.0,
+            ]
+            .map(f64::abs)
+        };
+        for n in [4, 8, 16] {
+            let ([of_area, coarse, polygon, harmonic, of_polygon], next) = (errors(n), errors(2 * n));
+            assert!(next[0] < of_area / 10.0, "{n}: {of_area} {next:?}");
+            assert!((next[1] / of_area - 1.0).abs() < 1e-6, "{n}: {of_area} {next:?}");
+            assert!(
+                of_area < 0.1 * polygon && of_area < coarse,
+                "{n}: {of_area} {coarse} {polygon}"
+            );
+            assert!(harmonic < 0.3 * of_polygon, "{n}: {harmonic} {of_polygon}");
+        }
+        // Without pairs on both branches it is the polygon.
+        let mut odd = branches(3);
+        odd.force.truncate(11);
+        odd.amplitude.truncate(11);
+        assert_eq!(odd.area(), odd.polygon());
+    }
+
+    #[test]
+    fn weights_are_slopes() {
         let n = 32;
         let of = |i: usize| std::f64::consts::TAU * i as f64 / n as f64;
         let known = Loop {
@@ -214,6 +261,12 @@ mod tests {
                 .map(|i| 0.2 + 1.5 * of(i).cos() + 0.1 * of(i).cos().powi(3) + 0.2 * of(i).sin() * of(i).sin().abs())
                 .collect(),
         };
+        for (i, weight) in known.area_weights().iter().enumerate() {
+            let mut moved = known.clone();
+            moved.amplitude[i] += 0.5;
+            let slope = (moved.area() - known.area()) / 0.5;
+            assert!((weight - slope).abs() < 1e-12, "{i}: {weight} {slope}");
+        }
         let weights = known.harmonic_weights();
         // The first and the last vertex are both the largest: which of them is has a kink there.
         for (i, weight) in weights.iter().enumerate().take(n).skip(1) {

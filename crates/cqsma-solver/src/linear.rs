@@ -219,9 +219,9 @@ impl Stuck {
         self.tangent.iter().zip(tangent).map(|(a, b)| (a - b).abs()).sum()
     }
 
-    /// Whether the contact in `P` is nearer to `tangent` than the one in `other`.
+    /// Whether the contact in `P` is much nearer to `tangent` than the one in `other`.
     pub(crate) fn is_nearer(&self, tangent: &[f64], other: &Self) -> bool {
-        self.difference(tangent) < other.difference(tangent)
+        2.0 * self.difference(tangent) < other.difference(tangent)
     }
 
     /// Gives a motion, whose force is that of this structure, the force of `other`.

@@ -19,7 +19,7 @@
 
 use crate::Error;
 use crate::force::HystereticForce;
-use crate::hysteresis::Loop;
+use crate::hysteresis::{Loop, SIMPSON};
 use crate::modes::Linearisation;
 use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Reason};
 use crate::path::Path;
@@ -178,7 +178,8 @@ struct Curve {
     before: Vertex,
     /// All vertices, in the order of their amplitude.
     vertices: Vec<Vertex>,
-    dissipation: f64,
+    /// Of the polygon of all vertices, and of every second one.
+    dissipation: [f64; 2],
     /// What the residuals of the vertices before the last may make of the dissipation.
     noise: f64,
 }
@@ -201,11 +202,25 @@ impl Vertex {
 impl Curve {
     fn add(&mut self, q: f64, lambda: f64, residual: f64) {
         // Nothing lies between the origin, where q vanishes, and the first vertex but a straight edge.
-        self.dissipation += 4.0 * self.last.q * q * (self.last.lambda - lambda);
+        let edge = |from: Vertex| 4.0 * from.q * q * (from.lambda - lambda);
+        self.dissipation[0] += edge(self.last);
+        if self.vertices.len() % 2 == 1 {
+            self.dissipation[1] += edge(self.before);
+        }
         self.noise += self.last.noise(q - self.before.q);
         self.before = self.last;
         self.last = Vertex { q, lambda, residual };
         self.vertices.push(self.last);
+    }
+
+    /// By the rule of [`Loop::area`] (J).
+    fn dissipation(&self) -> f64 {
+        let [fine, coarse] = self.dissipation;
+        if self.vertices.len() % 2 == 0 {
+            SIMPSON[0] * fine + SIMPSON[1] * coarse
+        } else {
+            fine
+        }
     }
 
     /// The closed loop whose branches are the curve, scaled by two and turned around.
@@ -224,14 +239,15 @@ impl Curve {
     fn result<F: HystereticForce>(&self, path: &Path<'_, F>) -> LoadingResult {
         let Vertex { q, lambda, residual } = self.last;
         let energy = 2.0 * PI * lambda * q * q;
+        let dissipation = self.dissipation();
         LoadingResult {
             modal_force: lambda * q,
             modal_amplitude: q,
             omega: lambda.sqrt(),
             harmonic_omega: self.masing_loop().harmonic_omega(),
-            zeta: self.dissipation / energy,
+            zeta: dissipation / energy,
             zeta_floor: (self.noise + self.last.noise(self.before.q)) / energy,
-            dissipation: self.dissipation,
+            dissipation,
             residual,
             displacement: path.sequence.motion.v.clone(),
         }

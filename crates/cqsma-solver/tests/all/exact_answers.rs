@@ -72,7 +72,7 @@ fn one_jenkins_element_follows_its_closed_form() {
 }
 
 #[test]
-fn loop_area_converges_with_second_order_in_the_vertices() {
+fn the_area_of_a_loop_with_corners_converges_with_second_order_in_the_vertices() {
     let force = Jenkins::new(vec![(500.0, 2.0)]);
     let stiffness = Mat::from_fn(1, 1, |_, _| 1000.0);
     let mass = Mat::identity(1, 1);

@@ -4,8 +4,8 @@
 use cqsma_solver::cqsma::{Commit, Cycles, Settings, run};
 use cqsma_solver::test_problems::{Jenkins, JenkinsChain};
 use cqsma_solver::{
-    BackbonePoint, Error, HystereticForce, LinearSolver, LoopObserver, NoObserver, PatternView, Reason, RegimeCounts,
-    Sticking, modes, prestress,
+    BackbonePoint, Error, HystereticForce, LinearSolver, LoopObserver, LoopResult, NoObserver, PatternView, Reason,
+    RegimeCounts, Sticking, modes, prestress,
 };
 use faer::Mat;
 use std::ops::ControlFlow;
@@ -60,10 +60,43 @@ fn units_change_neither_results_nor_effort() {
             );
             let noise = 1e-9 * a.zeta + a.zeta_floor + b.zeta_floor;
             assert!((a.zeta - b.zeta).abs() < noise, "{} {}", a.zeta, b.zeta);
-            assert!(effort.iterations.abs_diff(other_effort.iterations) <= 1);
+            assert!(
+                effort.iterations.abs_diff(other_effort.iterations) <= 1,
+                "{effort:?} {other_effort:?}"
+            );
             assert!(effort.krylov_steps.abs_diff(other_effort.krylov_steps) <= 2);
         }
     }
+}
+
+#[test]
+fn loops_get_the_vertices_that_their_damping_needs() {
+    // One slider, whose corner two vertices per quarter miss, and many, which slip one after the other.
+    let one = JenkinsChain::new(1, 1000.0, (500.0, 2.0));
+    let many = JenkinsChain::new(12, 2000.0, (400.0, 1.0));
+    let with = |chain: &JenkinsChain, peak: f64, vertices_per_quarter: usize, cycles: Cycles| {
+        let settings = Settings {
+            vertices_per_quarter,
+            cycles,
+            ..Settings::default()
+        };
+        let load = vec![0.0; chain.mass.nrows()];
+        let points = loops((&chain.stiffness, &chain.mass), &chain.force, &load, &[peak], &settings);
+        points[0].result.clone().unwrap()
+    };
+    let corner = with(&one, 8.0, 2, Cycles::default());
+    assert_eq!(corner.vertices_per_quarter(), 8);
+    // The same as if they had been asked for.
+    assert_eq!(corner, with(&one, 8.0, 8, Cycles::default()));
+    let coarse = with(&one, 8.0, 2, Cycles::Fixed(2));
+    let exact = 4.0 * 2.0 * (6.0 / 1000.0 - 2.0 / 500.0);
+    assert_eq!(coarse.vertices_per_quarter(), 2);
+    let of = |found: &LoopResult| (found.loop_area / exact - 1.0).abs();
+    assert!(of(&corner) < 0.3 * of(&coarse), "{} {}", of(&corner), of(&coarse));
+    let gradual = with(&many, 8.0, 4, Cycles::default());
+    assert_eq!(gradual.vertices_per_quarter(), 4);
+    // What dissipates nothing needs no more.
+    assert_eq!(with(&one, 0.1, 2, Cycles::default()).vertices_per_quarter(), 2);
 }
 
 #[test]
