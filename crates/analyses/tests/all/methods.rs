@@ -68,7 +68,7 @@ fn where_pressure_stays_qsma_is_cqsma() {
     for (a, b) in coupled.iter().zip(&decoupled) {
         // Shakedown leaves points exactly at their limit, where round-off decides.
         assert!(
-            a.counts.slip.abs_diff(b.counts.slip) <= 1,
+            a.counts.slip.abs_diff(b.counts.slip) <= 2,
             "{:?} {:?}",
             a.counts,
             b.counts

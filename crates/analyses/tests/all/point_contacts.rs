@@ -250,9 +250,13 @@ fn compare(test: &str, dofs: &[(i64, u32)], stiffness: &Mat<f64>, nodes: &[u64],
         let (low, high) = last
             .iter()
             .fold((f64::MAX, f64::MIN), |(l, h), p| (p.1.min(l), p.1.max(h)));
-        let closing = (last[last.len() - 1], last[0]);
-        let edges = last.windows(2).map(|pair| (pair[0], pair[1])).chain([closing]);
-        let area: f64 = edges.map(|(a, b)| 0.5 * (a.0 + b.0) * (b.1 - a.1)).sum();
+        let polygon = |every: usize| -> f64 {
+            let vertices: Vec<_> = last.iter().step_by(every).chain(&last[..1]).collect();
+            let edges = vertices.windows(2).map(|pair| (pair[0], pair[1]));
+            edges.map(|(a, b)| 0.5 * (a.0 + b.0) * (b.1 - a.1)).sum()
+        };
+        // Simpson's rule.
+        let area = (4.0 * polygon(1) - polygon(2)) / 3.0;
         let (omega, zeta) = ((2.0 * peak / (high - low)).sqrt(), area / (PI * (high - low) * peak));
         let result = amplitude.point.result.as_ref().unwrap();
         assert!(
