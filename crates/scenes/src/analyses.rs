@@ -163,8 +163,8 @@ pub struct Backbone {
     pub amplitude_to: Length,
     /// Amplitudes, spaced in log, at most 10000; 0 for none.
     pub amplitudes: usize,
-    /// Vertices per quarter loop, 1 to 4096; an even number. Unless `cycles` is given it is the least number: a loop is computed anew with twice as many,
-    /// up to four times, where every second vertex left out changes its damping ratio by more than 5 %.
+    /// Vertices per quarter loop, 1 to 4096. Unless `cycles` is given it is the least number: a loop is computed anew with twice as many, up to four times,
+    /// where its damping ratio is another by more than 5 % without every second vertex.
     pub vertices_per_quarter: usize,
     /// Cycles walked, the last of which is measured, 1 to 1000; by default as many as it takes until one closes,
     /// at most 20.

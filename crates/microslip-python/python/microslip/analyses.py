@@ -677,7 +677,7 @@ def cqsma(
     n_modes: int | None = None,
     zero_energy_modes: int = 0,
     closure: float | None = None,
-    vertices_per_quarter: int = 8,
+    vertices_per_quarter: int = 4,
     cycles: int | None = None,
     until_closed: float = 2e-3,
     max_cycles: int = 20,
@@ -714,7 +714,8 @@ def cqsma(
     closure : float, optional
         Uniform normal jump that the search for the static state begins with [m]; by default one that carries the load.
     vertices_per_quarter : int
-        Vertices per quarter of a loop.
+        Vertices per quarter of a loop. Unless `cycles` is given it is the least number: where half as many change the damping
+        ratio by more than 5 %, twice as many are taken, up to four times.
     cycles : int, optional
         Cycles to compute, of which the last is measured; by default until the loop closes.
     until_closed : float
