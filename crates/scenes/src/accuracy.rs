@@ -83,7 +83,7 @@ pub static PRESETS: [Preset; 4] = [
         tolerance: 1e-9,
         frequency_error: 1.5e-3,
         damping_error: 0.022,
-        cost: 3.4,
+        cost: 1.9,
     },
 ];
 
