@@ -50,7 +50,7 @@ scene = microslip.Scene.from_dict({
             "yield": {"strength": "331.7 MPa", "tangent_modulus": "620 MPa"}}},
     "bolts": {"load": 12249, "assembly": "frictionless"},
     "background_damping": 0.00087,
-    "analyses": {"backbone": {"amplitudes": 9, "amplitude_from": 1e-7, "amplitude_to": 6.8e-5, "vertices_per_quarter": 8}}})
+    "analyses": {"backbone": {"amplitudes": 9, "amplitude_from": 1e-7, "amplitude_to": 6.8e-5}}})
 runs = {"flat": microslip.run(scene), "topography": microslip.run(scene.replace({"interfaces.gap": "measured"}))}
 
 # %%

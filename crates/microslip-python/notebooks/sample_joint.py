@@ -27,7 +27,7 @@ SCENE = {
     "model": {"material": {"youngs_modulus": "192.85 GPa", "poisson_ratio": 0.29, "density": "7857.8 kg/m^3"}},
     "interfaces": {"surface": {"benchmark": "brake-reuss-beam"}, "mu": 0.2},
     "bolts": {"load": "3 kN"},
-    "analyses": {"backbone": {"amplitudes": 10, "amplitude_from": "3 um", "amplitude_to": "150 um", "vertices_per_quarter": 8}},
+    "analyses": {"backbone": {"amplitudes": 10, "amplitude_from": "3 um", "amplitude_to": "150 um"}},
 }
 
 

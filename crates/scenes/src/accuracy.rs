@@ -79,11 +79,11 @@ pub static PRESETS: [Preset; 4] = [
         refinement: RefinementLevel::Default,
         points_per_direction: 3,
         modes: 20,
-        vertices_per_quarter: 8,
+        vertices_per_quarter: 16,
         tolerance: 1e-9,
         frequency_error: 1.5e-3,
         damping_error: 0.022,
-        cost: 1.9,
+        cost: 2.3,
     },
 ];
 

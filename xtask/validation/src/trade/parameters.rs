@@ -291,7 +291,7 @@ pub(crate) fn all(
         error(
             "vertices",
             "vertices per quarter loop",
-            refined(base, &[1_u8, 2, 4, 8, 16, 32, 64], |scene, n| {
+            refined(base, &[2_u8, 4, 8, 16, 32, 64], |scene, n| {
                 scene.analyses.backbone.vertices_per_quarter = n.into();
             }),
         ),
