@@ -21,7 +21,7 @@ impl Loop {
     /// By Simpson's rule along the branches, which is of fourth order in the vertices. The branches are of the same even number of edges, in pairs of
     /// equal steps of force; with another number of edges the loop is the polygon of its vertices.
     pub fn area(&self) -> f64 {
-        self.every(1).combined(Self::polygon)
+        self.combined(Self::polygon)
     }
 
     /// The same from every second vertex: with [`Loop::area`] it tells how well the loop is resolved.

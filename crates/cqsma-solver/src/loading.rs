@@ -216,7 +216,7 @@ impl Curve {
     /// By the rule of [`Loop::area`] (J).
     fn dissipation(&self) -> f64 {
         let [fine, coarse] = self.dissipation;
-        if self.vertices.len() % 2 == 0 {
+        if self.vertices.len().is_multiple_of(2) {
             SIMPSON[0] * fine + SIMPSON[1] * coarse
         } else {
             fine
