@@ -25,8 +25,8 @@ const MANY: usize = 16;
 /// The same for springs of a foundation.
 const MANY_SPRINGS: usize = 66;
 
-/// Edges of a loop that the walks go along, where it has a multiple of them: two for a branch. Differences of laws need no more; twice as many change the
-/// estimates by a tenth.
+/// Edges of a loop that the walks go along, where it has a multiple of them: two for a branch. Differences of laws need no more: twice as many change
+/// estimates above 2 % by a quarter at most.
 const EDGES: usize = 4;
 
 /// The interface with another number of a setting, or none where it could not be built.

@@ -376,26 +376,26 @@ fn run_loop<F: HystereticForce, O: LoopObserver<F::Workspace>>(
 ) -> BackbonePoint {
     let mut effort = Effort::default();
     let mut slipping = None;
-    let mut measure = |settings: &Settings| {
-        let mut tracer = LoopTracer::new(structure, force, mode, peak, settings);
+    let mut settings = *settings;
+    let mut doublings = match settings.cycles {
+        Cycles::Fixed(_) => 0,
+        Cycles::UntilClosed { .. } => MOST_DOUBLINGS,
+    };
+    let mut result = loop {
+        let mut tracer = LoopTracer::new(structure, force, mode, peak, &settings);
         tracer.follower = followers();
-        tracer.path.sequence.slipping = slipping.take();
+        tracer.path.sequence.slipping = slipping;
         let found = tracer.measure(structure, observer);
         effort += tracer.path.sequence.effort;
-        slipping = tracer.path.sequence.slipping.take();
-        found
-    };
-    let mut settings = *settings;
-    let mut result = measure(&settings);
-    if matches!(settings.cycles, Cycles::UntilClosed { .. }) {
-        for _ in 0..MOST_DOUBLINGS {
-            if result.as_ref().map_or(true, LoopResult::has_enough_vertices) {
-                break;
-            }
-            settings.vertices_per_quarter *= 2;
-            result = measure(&settings);
+        match found {
+            Ok((found, _)) if doublings > 0 && !found.has_enough_vertices() => {}
+            found => break found.map(|(found, numbers)| tracer.with_rates(found, &numbers)),
         }
-    }
+        slipping = tracer.path.sequence.slipping.take();
+        drop(tracer);
+        doublings -= 1;
+        settings.vertices_per_quarter *= 2;
+    };
     let settings = &settings;
     if let Ok(found) = &mut result
         && settings.commit == Commit::AtReversals
@@ -457,12 +457,12 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
     }
 
     /// Follows the first loading and cycle after cycle, all with the same vertices: friction keeps what it is left with, and after coarser steps points
-    /// near the onset of slip would shake down to another state, in which loops close as well.
+    /// near the onset of slip would shake down to another state, in which loops close as well. Gives the numbers of the vertices beside the loop, too.
     fn measure<O: LoopObserver<F::Workspace>>(
         &mut self,
         structure: &Linearisation<'_, F::State>,
         observer: &mut O,
-    ) -> Result<LoopResult, Failure> {
+    ) -> Result<(LoopResult, Vec<usize>), Failure> {
         let mut counts = self.branch(self.peak, self.settings.vertices_per_quarter, &mut |_| {})?;
         self.precondition();
         // Whether nothing that can be told from the residuals is dissipated.
@@ -474,16 +474,21 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
         loop {
             cycles += 1;
             observer.begin();
-            let (mut found, numbers) = self.loop_from_peak(structure, cycles, quiet, counts, observer)?;
+            let (found, numbers) = self.loop_from_peak(structure, cycles, quiet, counts, observer)?;
             let is_quiet = found.closed && self.is_quiet(&found.hysteresis);
             if quiet || cycles >= most || (found.closed && !is_quiet) {
-                let follower = self.follower.as_ref();
-                found.rates = follower.and_then(|follower| follower.rates(&found.hysteresis, &numbers, &self.path));
-                return Ok(found);
+                return Ok((found, numbers));
             }
             quiet = is_quiet;
             counts = found.counts;
         }
+    }
+
+    /// A measured loop with its derivatives, if something goes along that knows its vertices by these numbers.
+    fn with_rates(&self, mut found: LoopResult, numbers: &[usize]) -> LoopResult {
+        let follower = self.follower.as_ref();
+        found.rates = follower.and_then(|follower| follower.rates(&found.hysteresis, numbers, &self.path));
+        found
     }
 
     /// Makes a preconditioner of the tangent at the peak where the steps that it is likely to spare take longer. Its inverse takes as long as an eighth as

@@ -145,7 +145,7 @@ impl Loop {
         weights
     }
 
-    /// With `x = cos(theta)` an edge gives its force times `(g(b) - g(a)) / (x(b) - x(a))`, where `dg/dx = -sin(theta)`: it has a slope where
+    /// Those of the polygon: with `x = cos(theta)` an edge gives its force times `(g(b) - g(a)) / (x(b) - x(a))`, where `dg/dx = -sin(theta)`: it has a slope where
     /// `theta` itself has none, at the reversals.
     fn harmonic_square_weights(&self) -> Vec<f64> {
         let (low, high) = self.extremes();

@@ -224,12 +224,6 @@ impl Stuck {
         2.0 * self.difference(tangent) < other.difference(tangent)
     }
 
-    /// Gives a motion, whose force is that of this structure, the force of `other`.
-    fn hand_over(&self, motion: &mut Motion, pattern: PatternView<'_>, other: &Self) {
-        let difference: Vec<f64> = other.tangent.iter().zip(&self.tangent).map(|(a, b)| a - b).collect();
-        pattern.add_product(&difference, &motion.v, &mut motion.p);
-    }
-
     /// Tangent values of the contact in `P`.
     pub(crate) fn tangent(&self) -> &[f64] {
         &self.tangent
@@ -451,7 +445,9 @@ pub(crate) fn solve_near(
 ) -> Option<(Motion, usize)> {
     let start = near.response(r);
     let (mut x, steps) = solve_krylov(near, pattern, tangent, None, &start, start.norm(), tolerance)?;
-    near.hand_over(&mut x, pattern, stuck);
+    // The force that holds the motion is another one there.
+    let difference: Vec<f64> = stuck.tangent.iter().zip(&near.tangent).map(|(a, b)| a - b).collect();
+    pattern.add_product(&difference, &x.v, &mut x.p);
     Some((x, steps + 1))
 }
 

@@ -23,7 +23,11 @@ fn loops(interface: &Interface, displacement: &[f64], state: State, k: &Mat<f64>
     let mut line = modes::linearise(k.as_ref(), m.as_ref(), &force, displacement.to_vec(), state, 1).unwrap();
     line.orient(&[1.0; 12]).unwrap();
     let forces = [20.0, 75.0, 80.0, 150.0];
-    let points = cqsma::run(&line, &force, &forces, &Settings::default(), |_| NoObserver).unwrap();
+    let settings = Settings {
+        vertices_per_quarter: 8,
+        ..Settings::default()
+    };
+    let points = cqsma::run(&line, &force, &forces, &settings, |_| NoObserver).unwrap();
     points.into_iter().map(|(point, _)| point.result.unwrap()).collect()
 }
 
@@ -68,7 +72,7 @@ fn where_pressure_stays_qsma_is_cqsma() {
     for (a, b) in coupled.iter().zip(&decoupled) {
         // Shakedown leaves points exactly at their limit, where round-off decides.
         assert!(
-            a.counts.slip.abs_diff(b.counts.slip) <= 2,
+            a.counts.slip.abs_diff(b.counts.slip) <= 1,
             "{:?} {:?}",
             a.counts,
             b.counts

@@ -35,6 +35,7 @@ fn slow_errors_fall_from_rung_to_rung_and_finished_runs_are_kept() {
     let vertices = errors("vertices");
     assert!(vertices.windows(2).all(|pair| pair[1] < pair[0]), "{vertices:?}");
     assert_eq!(vertices.last(), Some(&0.0));
+    assert!(vertices[0] < 1e-3, "{vertices:?}");
     let tolerance = errors("tolerance");
     assert!(tolerance[0] < 0.1 && tolerance[3] < 1e-6, "{tolerance:?}");
     let parts = &trade["budget"]["parts"];
