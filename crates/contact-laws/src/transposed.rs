@@ -163,7 +163,9 @@ pub(crate) fn transposed(
             for (c, into) in [x, y, normal].into_iter().enumerate() {
                 into[chunk.clone()].copy_from_slice(&through[row(c)]);
             }
-            let StateViewMut { data, stride, offset } = &mut adjoint.history;
+            let StateViewMut {
+                data, stride, offset, ..
+            } = &mut adjoint.history;
             for c in N_JUMP..wanted {
                 let history = &mut data[(c - N_JUMP) * *stride + *offset + first..][..n];
                 for (history, through) in history.iter_mut().zip(&through[row(c)]) {

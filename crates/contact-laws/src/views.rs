@@ -67,9 +67,21 @@ pub fn along_path(
     traction: &mut [f64],
     mut step: impl FnMut(Components<'_>, StateView<'_>, StateViewMut<'_>, ComponentsMut<'_>),
 ) {
+    let (mut from, mut to) = (&mut *state, &mut *room);
+    let (mut zeros, mut next) = (usize::MAX, usize::MAX);
+    let (mut is_finite, mut is_swapped) = (false, false);
     for (jump, traction) in path.chunks_exact(3 * n).zip(traction.chunks_exact_mut(3 * n)) {
-        let (begin, end) = (StateView::new(state, n, 0), StateViewMut::new(room, n, 0));
+        let begin = StateView::new(from, n, 0)
+            .known_finite(is_finite)
+            .with_zeros_from(zeros);
+        let end = StateViewMut::new(to, n, 0).with_zeros_from(&mut next);
         step(Components::stacked(jump), begin, end, ComponentsMut::stacked(traction));
+        is_finite = traction.iter().all(|traction| traction.is_finite());
+        (from, to) = (to, from);
+        (zeros, next) = (next, zeros);
+        is_swapped = !is_swapped;
+    }
+    if is_swapped {
         state.copy_from_slice(room);
     }
 }
@@ -88,6 +100,8 @@ pub struct StateView<'a> {
     pub offset: usize,
     /// Whether all its numbers are known to be finite, so that a law need not look at those it does not need.
     pub is_finite: bool,
+    /// Components from this one on are known to be zero at all points of the block.
+    pub zero_from: usize,
 }
 
 impl<'a> StateView<'a> {
@@ -98,6 +112,7 @@ impl<'a> StateView<'a> {
             stride,
             offset,
             is_finite: false,
+            zero_from: usize::MAX,
         }
     }
 
@@ -105,6 +120,15 @@ impl<'a> StateView<'a> {
     #[must_use]
     pub fn known_finite(self, is_finite: bool) -> Self {
         Self { is_finite, ..self }
+    }
+
+    /// The same batch, in a block whose components from one on are known to be zero.
+    #[must_use]
+    pub fn with_zeros_from(self, component: usize) -> Self {
+        Self {
+            zero_from: component,
+            ..self
+        }
     }
 
     /// The first `n` points' values of the first `N` components.
@@ -135,12 +159,33 @@ pub struct StateViewMut<'a> {
     pub stride: usize,
     /// First point of the batch in the block.
     pub offset: usize,
+    /// Components from this one on are known to be zero at all points of the block before it is written, so that zeros need not be written there.
+    pub zero_from: usize,
+    /// Where a law says from which component on it leaves zeros, if it knows.
+    pub leaves_zeros_from: Option<&'a mut usize>,
 }
 
 impl<'a> StateViewMut<'a> {
     /// A batch that begins at `offset` of a block of `stride` points.
     pub fn new(data: &'a mut [f64], stride: usize, offset: usize) -> Self {
-        Self { data, stride, offset }
+        Self {
+            data,
+            stride,
+            offset,
+            zero_from: usize::MAX,
+            leaves_zeros_from: None,
+        }
+    }
+
+    /// The same batch, which is a whole block whose components from one on are zero. It becomes the number of the component from which on zeros are
+    /// left, or [`usize::MAX`] where the law does not know.
+    #[must_use]
+    pub fn with_zeros_from(self, component: &'a mut usize) -> Self {
+        Self {
+            zero_from: core::mem::replace(component, usize::MAX),
+            leaves_zeros_from: Some(component),
+            ..self
+        }
     }
 
     /// The same, to be read.

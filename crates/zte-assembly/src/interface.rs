@@ -11,22 +11,69 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// History of all points; opaque to solvers, which only swap and clone it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
 pub struct State {
     /// One block `[component][point]` per tile, one after the other.
     pub(crate) values: Vec<f64>,
+    tiles: Vec<Stored>,
     /// Whether all values are known to be finite.
     is_finite: bool,
 }
 
-impl State {
-    fn zero(size: usize) -> Self {
+/// A tile of a [`State`].
+#[derive(Clone, Debug)]
+struct Stored {
+    values: Range<usize>,
+    n_points: usize,
+    /// Components from this one on are known to be zero.
+    zero_from: usize,
+}
+
+impl Stored {
+    /// Values that need not be zero.
+    fn kept(&self) -> Range<usize> {
+        let kept = self.zero_from.saturating_mul(self.n_points);
+        self.values.start..self.values.start + self.values.len().min(kept)
+    }
+}
+
+/// Zeros are not read, and not touched where there are zeros already.
+impl Clone for State {
+    fn clone(&self) -> Self {
+        let mut values = vec![0.0; self.values.len()];
+        for kept in self.tiles.iter().map(Stored::kept) {
+            values[kept.clone()].copy_from_slice(&self.values[kept]);
+        }
         Self {
-            values: vec![0.0; size],
-            is_finite: true,
+            values,
+            tiles: self.tiles.clone(),
+            is_finite: self.is_finite,
         }
     }
 
+    fn clone_from(&mut self, source: &Self) {
+        let [own, others] = [&*self, source].map(|state| state.tiles.iter().map(|tile| &tile.values));
+        if !own.eq(others) {
+            *self = source.clone();
+            return;
+        }
+        for (own, source_tile) in self.tiles.iter_mut().zip(&source.tiles) {
+            let (before, kept) = (own.kept(), source_tile.kept());
+            self.values[kept.clone()].copy_from_slice(&source.values[kept.clone()]);
+            self.values[kept.end..before.end.max(kept.end)].fill(0.0);
+            own.clone_from(source_tile);
+        }
+        self.is_finite = source.is_finite;
+    }
+}
+
+impl PartialEq for State {
+    fn eq(&self, other: &Self) -> bool {
+        self.values == other.values
+    }
+}
+
+impl State {
     /// Sum of the products of all numbers: of an adjoint with a change.
     ///
     /// # Panics
@@ -44,6 +91,9 @@ impl State {
         assert_eq!(self.values.len(), change.values.len());
         let pairs = self.values.iter_mut().zip(&change.values);
         pairs.for_each(|(value, change)| *value += factor * change);
+        for (own, change) in self.tiles.iter_mut().zip(&change.tiles) {
+            own.zero_from = own.zero_from.max(change.zero_from);
+        }
         self.is_finite = false;
     }
 }
@@ -199,7 +249,7 @@ impl Interface {
             None,
         );
         let mut laws: Vec<(Range<usize>, Arc<dyn TractionLaw>)> = Vec::new();
-        let (mut block, mut size) = (0, 0);
+        let mut block = 0;
         for (index, (range, law)) in self.laws.iter().enumerate() {
             let [x, y, n] = workspace.jump.each_ref().map(|u| &u[range.clone()]);
             let mut history = vec![0.0; range.len() * law.info().n_state()];
@@ -207,10 +257,11 @@ impl Interface {
             block += history.len();
             let history = StateView::new(&history, range.len(), 0);
             let linear = LinearisedContact::about(law.as_ref(), Components { x, y, n }, history)?;
-            size += range.len() * linear.info().n_state();
             laws.push((range.clone(), Arc::new(linear)));
         }
-        Ok((Self { laws, ..self.clone() }, State::zero(size)))
+        let linear = Self { laws, ..self.clone() };
+        let at_rest = linear.no_change();
+        Ok((linear, at_rest))
     }
 
     /// The same interface with faces that are pressed into one another at zero jump: one interference per quadrature point (m), at
@@ -542,6 +593,7 @@ impl Interface {
                     let gap = &variation.gap[range.clone()];
                     part[2].iter_mut().zip(gap).for_each(|(n, gap)| *n -= step * gap);
                 }
+                begin.tiles[tile.number].zero_from = usize::MAX;
                 let history = &mut begin.values[tile.states.clone()];
                 variation.scalings[index].transform(tile.of_law.clone(), step, part, history);
                 begin.is_finite = false;
@@ -557,19 +609,32 @@ impl Interface {
 
     /// A history of zeros: no change, as a direction.
     pub fn no_change(&self) -> State {
-        let sizes = self.laws.iter().map(|(range, law)| range.len() * law.info().n_state());
-        State::zero(sizes.sum())
+        let tiles: Vec<Stored> = self
+            .tiles()
+            .map(|tile| Stored {
+                values: tile.states,
+                n_points: tile.points.len(),
+                zero_from: 0,
+            })
+            .collect();
+        State {
+            values: vec![0.0; tiles.last().map_or(0, |tile| tile.values.end)],
+            tiles,
+            is_finite: true,
+        }
     }
 
     /// The points with their histories.
     fn tiles(&self) -> impl Iterator<Item = Tile<'_>> {
-        let mut block = 0;
+        let (mut block, mut count) = (0, 0);
         self.laws.iter().enumerate().flat_map(move |(index, (range, law))| {
-            let (first, n_state) = (block, law.info().n_state());
+            let (first, before, n_state) = (block, count, law.info().n_state());
             block += range.len() * n_state;
+            count += range.len().div_ceil(TILE);
             (0..range.len()).step_by(TILE).map(move |start| {
                 let of_law = start..range.len().min(start + TILE);
                 Tile {
+                    number: before + start / TILE,
                     index,
                     law: law.as_ref(),
                     points: range.start + of_law.start..range.start + of_law.end,
@@ -711,6 +776,7 @@ fn are_finite(values: &[f64]) -> bool {
 
 /// Points of one law whose histories are one block `[component][point]`.
 struct Tile<'a> {
+    number: usize,
     /// Number of the law.
     index: usize,
     law: &'a dyn TractionLaw,
@@ -724,13 +790,16 @@ struct Tile<'a> {
 
 impl Tile<'_> {
     fn history<'s>(&self, of: &'s State) -> StateView<'s> {
-        StateView::new(&of.values[self.states.clone()], self.points.len(), 0).known_finite(of.is_finite)
+        StateView::new(&of.values[self.states.clone()], self.points.len(), 0)
+            .known_finite(of.is_finite)
+            .with_zeros_from(of.tiles[self.number].zero_from)
     }
 
     fn history_mut<'s>(&self, of: &'s mut State) -> StateViewMut<'s> {
         // Until whoever writes it says so.
         of.is_finite = false;
         StateViewMut::new(&mut of.values[self.states.clone()], self.points.len(), 0)
+            .with_zeros_from(&mut of.tiles[self.number].zero_from)
     }
 
     fn evaluate(

@@ -4,7 +4,7 @@ use super::rule::StiffnessAt;
 use crate::law::{StateView, StateViewMut};
 use crate::simd::bounds::{bounded, is_finite};
 use crate::simd::elementary::max;
-use crate::simd::{Lanes, Pass, run};
+use crate::simd::{Lanes, Pass, WIDTH, run};
 use core::ops::Range;
 
 /// Start of a block: the interferences at which its curves are needed, zero where a point is open and NaN where its
@@ -114,7 +114,6 @@ struct SpreadNan<'a, const B: usize> {
 impl<const B: usize> Pass for SpreadNan<'_, B> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        const WIDTH: usize = 8;
         let Self {
             rows,
             stride,
@@ -181,6 +180,8 @@ pub(crate) struct Rows<'a> {
     pub(crate) end: StateViewMut<'a>,
     pub(crate) n: usize,
     pub(crate) block: Range<usize>,
+    /// Component from which on the end states are left zero.
+    pub(crate) zero_from: usize,
 }
 
 impl<'a> Rows<'a> {
@@ -188,9 +189,13 @@ impl<'a> Rows<'a> {
     pub(crate) fn of(begin: StateView<'a>, end: &'a mut StateViewMut<'_>, n: usize, block: &Range<usize>) -> Self {
         Self {
             begin,
-            end: StateViewMut::new(&mut *end.data, end.stride, end.offset),
+            end: StateViewMut {
+                zero_from: end.zero_from,
+                ..StateViewMut::new(&mut *end.data, end.stride, end.offset)
+            },
             n,
             block: block.clone(),
+            zero_from: usize::MAX,
         }
     }
 
@@ -207,6 +212,7 @@ impl<'a> Rows<'a> {
             stride,
             offset,
             is_finite,
+            ..
         } = self.begin;
         if !is_finite {
             run(SpreadNan {
@@ -233,6 +239,22 @@ impl<'a> Rows<'a> {
         &self.begin.component(component, self.n)[self.block.clone()]
     }
 
+    /// What states hold from a component at the first point on, and how far the next component is.
+    pub(crate) fn begin_from(&self, component: usize) -> (&'a [f64], usize) {
+        let StateView {
+            data, stride, offset, ..
+        } = self.begin;
+        (&data[component * stride + offset + self.block.start..], stride)
+    }
+
+    /// The same of the end states.
+    pub(crate) fn end_from(&mut self, component: usize) -> (&mut [f64], usize) {
+        let StateViewMut {
+            data, stride, offset, ..
+        } = &mut self.end;
+        (&mut data[component * *stride + *offset + self.block.start..], *stride)
+    }
+
     /// `N` components from one on.
     pub(crate) fn end<const N: usize>(&mut self, component: usize) -> [&mut [f64]; N] {
         let (stride, offset) = (self.end.stride, self.end.offset);
@@ -242,7 +264,9 @@ impl<'a> Rows<'a> {
 
     /// Each of a range of components at the points: the values given.
     pub(crate) fn end_with(&mut self, components: Range<usize>, values: &[f64]) {
-        let StateViewMut { data, stride, offset } = &mut self.end;
+        let StateViewMut {
+            data, stride, offset, ..
+        } = &mut self.end;
         // Zero, and without holes, as nearly always: at once.
         if self.block.len() == *stride && values.iter().all(|value| *value == 0.0) {
             data[components.start * *stride..components.end * *stride].fill(0.0);
@@ -252,6 +276,17 @@ impl<'a> Rows<'a> {
             let first = component * *stride + *offset + self.block.start;
             data[first..first + values.len()].copy_from_slice(values);
         }
+    }
+
+    /// Each component from one on, of as many as there are: the values given. What is zero already is not written.
+    pub(crate) fn end_from_with(&mut self, component: usize, n_state: usize, values: &[f64]) {
+        let are_zero = values.iter().all(|value| *value == 0.0);
+        let (until, zero_from) = match are_zero {
+            true => (n_state.min(self.end.zero_from), component),
+            false => (n_state, usize::MAX),
+        };
+        self.end_with(component..until.max(component), values);
+        self.zero_from = zero_from;
     }
 
     /// Pairs of components of point `i` from one component on.
@@ -267,7 +302,9 @@ impl<'a> Rows<'a> {
 
     /// Pairs of components of point `i` from one component on, with an addition to each number.
     pub(crate) fn scatter(&mut self, component: usize, i: usize, from: &[[f64; 2]], fill: f64) {
-        let StateViewMut { data, stride, offset } = &mut self.end;
+        let StateViewMut {
+            data, stride, offset, ..
+        } = &mut self.end;
         let values = data[component * *stride + *offset + self.block.start + i..].iter_mut();
         for (value, from) in values.step_by(*stride).zip(from.as_flattened()) {
             *value = *from + fill;

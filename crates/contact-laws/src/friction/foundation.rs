@@ -110,7 +110,7 @@ use crate::physics::bins::{GaussSet, MAX_BINS, between_third_and_whole, gauss_be
 use crate::physics::population::GapDistribution;
 use crate::simd::bounds::bounded;
 use crate::simd::elementary::{max, min};
-use crate::simd::{BLOCK, Lanes, Pass, part, part_mut, run};
+use crate::simd::{BLOCK, Lanes, Pass, WIDTH, lanes, part, part_mut, run};
 use crate::transposed::{Adjoint, WayBack};
 use alloc::borrow::Cow;
 use alloc::format;
@@ -693,7 +693,9 @@ impl<C: ContactCurves> TractionLaw for FoundationLaw<C> {
                 jump,
             } in &mut *adjoints
             {
-                let StateViewMut { data, stride, offset } = history;
+                let StateViewMut {
+                    data, stride, offset, ..
+                } = history;
                 let at = |c: usize| c * *stride + *offset + block.start;
                 let mut sums = [Lanes([0.0; BLOCK]); 4];
                 for spring in 0..self.n_springs {
@@ -1038,9 +1040,6 @@ impl<const B: usize> Pass for Springs<'_, B> {
         }
     }
 }
-
-/// Points that are looked at together, as many as the widest register has numbers: few points move at a time, and what the others do is cheap.
-const WIDTH: usize = 8;
 
 /// The points that are left.
 const ONE: usize = 1;
@@ -1410,12 +1409,6 @@ fn are_moderate(values: &[f64]) -> bool {
 
 /// Numbers that are smaller have products that do not overflow.
 const MODERATE: f64 = 1e140;
-
-/// The numbers of `W` points.
-#[inline(always)]
-fn lanes<const W: usize>(values: &[f64]) -> [f64; W] {
-    core::array::from_fn(|i| values[i])
-}
 
 /// What one spring changes along a direction.
 struct Change<'a, const B: usize> {

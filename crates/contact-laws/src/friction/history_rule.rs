@@ -9,7 +9,7 @@ pub mod incremental;
 pub mod paper;
 pub mod potential;
 
-use super::annulus::{Annulus, Ruled};
+use super::annuli::{Annuli, Ruled};
 use super::return_map::Block;
 use super::rule::{FrictionRule, Memory, StiffnessAt};
 use crate::choice::choices;
@@ -61,10 +61,10 @@ macro_rules! history_rules {
                 }
             }
 
-            /// Adds what an annulus answers.
-            pub(crate) fn annulus<const B: usize>(self, annulus: Annulus<'_, B>) {
+            /// What the annuli of a bin answer.
+            pub(crate) fn annuli<const B: usize>(self, annuli: Annuli<'_, B>) {
                 match self {
-                    $(Self::$Rule => run(Ruled(annulus, $module::$Rule)),)+
+                    $(Self::$Rule => run(Ruled(annuli, $module::$Rule)),)+
                 }
             }
 

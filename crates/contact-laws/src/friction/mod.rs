@@ -99,7 +99,7 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
-mod annulus;
+mod annuli;
 mod block_start;
 mod cone;
 pub mod foundation;

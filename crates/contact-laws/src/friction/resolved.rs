@@ -103,7 +103,7 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
-use super::annulus::{Annulus, Room};
+use super::annuli::Annuli;
 use super::block_start::{Present, Rows, common, gather};
 use super::cone::{BoxWorkspace, Cone, respond};
 use super::history_rule::HistoryRule;
@@ -422,6 +422,8 @@ impl ResolvedLaw {
         let mut room = Scratch::<B>::new(self.cone);
         let mut changes = along.is_some().then(Changes::<B>::new);
         let mut counts = RegimeCounts::default();
+        // Of end state and its change.
+        let mut zeros_from = [0; 2];
         let mut block = 0..0;
         while block.end < n {
             block = block.end..n.min(block.end + B);
@@ -433,7 +435,7 @@ impl ResolvedLaw {
                 parts: along.parts.as_deref_mut(),
             });
             let rows = Rows::of(begin, &mut end, n, &block);
-            self.block(
+            let left = self.block(
                 points.start + block.start,
                 sticking,
                 part(&jump, &block),
@@ -442,6 +444,7 @@ impl ResolvedLaw {
                 &mut room,
                 of_block,
             );
+            zeros_from = core::array::from_fn(|which| zeros_from[which].max(left[which]));
             if let Some((along, changes)) = along.as_mut().zip(changes.as_ref()) {
                 let ComponentsMut { x, y, n } = &mut along.d_traction;
                 for (q, traction) in [x, y, n].into_iter().enumerate() {
@@ -449,20 +452,26 @@ impl ResolvedLaw {
                 }
             }
             for (q, traction) in part_mut(&mut traction, &block).into_iter().enumerate() {
-                traction.copy_from_slice(&room.sums.traction[q].0[..m]);
+                traction.copy_from_slice(&room.sums.response.traction[q].0[..m]);
             }
             if let Some(tangent) = &mut tangent {
                 for (entry, tangent) in part_mut(tangent, &block).into_iter().enumerate() {
-                    tangent.copy_from_slice(&room.sums.tangent[entry].0[..m]);
+                    tangent.copy_from_slice(&room.sums.response.tangent[entry].0[..m]);
                 }
             }
             let regimes = regimes.as_deref_mut().map(|regimes| &mut regimes[block.clone()]);
             counts += of_parts(&room.sums.regimes, &room.fill, m, regimes);
         }
+        let states = [Some(end), along.map(|along| along.d_end)];
+        for (state, component) in states.into_iter().flatten().zip(zeros_from) {
+            if let Some(leaves) = state.leaves_zeros_from {
+                *leaves = component;
+            }
+        }
         counts
     }
 
-    /// The points of a block from `first` on.
+    /// The points of a block from `first` on: from which components on end state and its change are zero.
     fn block<const B: usize>(
         &self,
         first: usize,
@@ -472,7 +481,7 @@ impl ResolvedLaw {
         with_tangent: bool,
         room: &mut Scratch<B>,
         mut direction: Option<Direction<'_, B>>,
-    ) {
+    ) -> [usize; 2] {
         let tables = &self.tables;
         let (stiffness, curvature) = self.friction.stiffness();
         let couples = self.friction.presses();
@@ -498,10 +507,10 @@ impl ResolvedLaw {
             middle,
             curves,
             of_annulus,
-            annulus,
             workspace,
             box_workspace,
             bin,
+            of_bin,
             sliders,
             sums,
             ..
@@ -643,12 +652,12 @@ impl ResolvedLaw {
                         self.limit_changes(sets, dent, rows.begin(dent_base), approach, u_n, changes);
                     }
                 }
-                let at_once = !couples && !present.reclosed && direction.is_none() && box_workspace.is_none();
+                let at_once = !couples && direction.is_none() && box_workspace.is_none();
                 let mut stick_or_slip = |history: HistoryRule,
                                          curves: &CurveBlock<B>,
                                          memory: usize,
                                          workspace: &mut Workspace<B>,
-                                         bin: &mut BinResponse<B>,
+                                         bin: &mut Response<B>,
                                          part: usize,
                                          annulus: Option<[f64; 2]>| {
                     let derivative = direction
@@ -681,30 +690,27 @@ impl ResolvedLaw {
                         sums.add(density, bin, &workspace.regime, entries);
                     }
                     AsperityFriction::Annuli(history, _) if at_once => {
-                        for (k, &shares) in self.shares.iter().enumerate() {
-                            let memory = base + 2 * k;
-                            history.annulus(Annulus {
-                                shares,
-                                jump,
-                                begin: [begin[0], begin[1], begin[2]],
-                                memory: [rows.begin(memory), rows.begin(memory + 1)],
-                                mu: &mu.0[..m],
-                                mu_slope: &mu_slope.0[..m],
-                                u_n,
-                                curves,
-                                density,
-                                unlimited: sticking == Sticking::Full,
-                                largest: LARGEST,
-                                with_tangent,
-                                room: annulus,
-                                end: rows.end::<2>(memory),
-                                traction: &mut sums.traction,
-                                tangent: &mut sums.tangent,
-                                regimes: &mut sums.regimes,
-                            });
-                        }
+                        let memory = rows.begin_from(base);
+                        history.annuli(Annuli {
+                            shares: &self.shares,
+                            jump,
+                            begin: [begin[0], begin[1], begin[2]],
+                            reclosed: present.reclosed,
+                            mu: &mu.0[..m],
+                            mu_slope: &mu_slope.0[..m],
+                            u_n,
+                            curves,
+                            unlimited: sticking == Sticking::Full,
+                            memory,
+                            end: rows.end_from(base),
+                            traction: &mut bin.traction,
+                            tangent: with_tangent.then_some(&mut bin.tangent),
+                            regimes: &mut workspace.regime,
+                        });
+                        sums.add(density, bin, &workspace.regime, entries);
                     }
                     AsperityFriction::Annuli(history, _) => {
+                        of_bin.begin(&Lanes([0.0; B]));
                         for (k, &[limit, stiffness]) in self.shares.iter().enumerate() {
                             run(Share {
                                 limit,
@@ -715,8 +721,10 @@ impl ResolvedLaw {
                             let shares = Some([limit, stiffness]);
                             let part = j * self.shares.len() + k;
                             stick_or_slip(*history, of_annulus, base + 2 * k, workspace, bin, part, shares);
-                            sums.add(density, bin, &workspace.regime, entries);
+                            of_bin.sum_up(bin, entries);
+                            sums.merge(density, &workspace.regime);
                         }
+                        sums.response.add(density, of_bin, entries);
                     }
                     AsperityFriction::MindlinIwan(radii) => {
                         for i in 0..m {
@@ -750,14 +758,18 @@ impl ResolvedLaw {
                 }
             } else {
                 // Dents stay when asperities open.
-                let are_open = dent.is_none() && tables.are_open_from(j + 1, sets, u_closing);
-                let until = if are_open { self.info.n_state() } else { dent_base };
-                rows.end_with(base..until, &fill.0[..m]);
-                if let Some(Direction { rows, changes, .. }) = &mut direction {
-                    rows.end_with(base..until, &changes.nothing.0[..m]);
-                }
-                if are_open {
+                let has_none = dent.is_none() || (direction.is_none() && rows.begin.zero_from <= base);
+                if has_none && tables.are_open_from(j + 1, sets, u_closing) {
+                    let n_state = self.info.n_state();
+                    rows.end_from_with(base, n_state, &fill.0[..m]);
+                    if let Some(Direction { rows, changes, .. }) = &mut direction {
+                        rows.end_from_with(base, n_state, &changes.nothing.0[..m]);
+                    }
                     break;
+                }
+                rows.end_with(base..dent_base, &fill.0[..m]);
+                if let Some(Direction { rows, changes, .. }) = &mut direction {
+                    rows.end_with(base..dent_base, &changes.nothing.0[..m]);
                 }
             }
             if let Some([w_0, f_0]) = dent {
@@ -790,6 +802,10 @@ impl ResolvedLaw {
                 }
             }
         }
+        [
+            rows.zero_from,
+            direction.map_or(0, |direction| direction.rows.zero_from),
+        ]
     }
 
     /// The asperities of a bin at one point, annulus by annulus.
@@ -802,7 +818,7 @@ impl ResolvedLaw {
         begin: [&[f64]; 5],
         curves: &CurveBlock<B>,
         rows: &mut Rows<'_>,
-        (answer, sliders): (&mut BinResponse<B>, &mut Sliders),
+        (answer, sliders): (&mut Response<B>, &mut Sliders),
         direction: Option<&mut Direction<'_, B>>,
     ) -> u64 {
         let Lane {
@@ -1456,11 +1472,12 @@ struct Scratch<const B: usize> {
     middle: Lanes<f64, B>,
     curves: CurveBlock<B>,
     of_annulus: CurveBlock<B>,
-    annulus: Room<B>,
     workspace: Workspace<B>,
     box_workspace: Option<BoxWorkspace<B>>,
     /// What one asperity of a bin answers, or one of its annuli.
-    bin: BinResponse<B>,
+    bin: Response<B>,
+    /// The sum over its annuli.
+    of_bin: Response<B>,
     sliders: Sliders,
     sums: Sums<B>,
 }
@@ -1472,15 +1489,49 @@ struct Sliders {
 }
 
 /// Tractions, and tangent row by row.
-struct BinResponse<const B: usize> {
+struct Response<const B: usize> {
     traction: [Lanes<f64, B>; 3],
     tangent: [Lanes<f64, B>; 9],
 }
 
+impl<const B: usize> Response<B> {
+    fn new() -> Self {
+        let zero = Lanes([0.0; B]);
+        Self {
+            traction: [zero; 3],
+            tangent: [zero; 9],
+        }
+    }
+
+    fn begin(&mut self, with: &Lanes<f64, B>) {
+        self.traction = [*with; 3];
+        self.tangent = [*with; 9];
+    }
+
+    /// Adds what an annulus answers, of the tangent some entries.
+    fn sum_up(&mut self, annulus: &Self, entries: &[usize]) {
+        for (sum, part) in self.traction.iter_mut().zip(&annulus.traction) {
+            run(Sum(part, sum));
+        }
+        for &entry in entries {
+            run(Sum(&annulus.tangent[entry], &mut self.tangent[entry]));
+        }
+    }
+
+    /// Adds what a number of asperities per area answer, of the tangent some entries.
+    fn add(&mut self, density: &Lanes<f64, B>, part: &Self, entries: &[usize]) {
+        for (sum, part) in self.traction.iter_mut().zip(&part.traction) {
+            run(Add(density, part, sum));
+        }
+        for &entry in entries {
+            run(Add(density, &part.tangent[entry], &mut self.tangent[entry]));
+        }
+    }
+}
+
 /// What the points answer.
 struct Sums<const B: usize> {
-    traction: [Lanes<f64, B>; 3],
-    tangent: [Lanes<f64, B>; 9],
+    response: Response<B>,
     /// Regimes of all bins that hold asperities, bit by bit.
     regimes: Lanes<u64, B>,
 }
@@ -1488,19 +1539,18 @@ struct Sums<const B: usize> {
 impl<const B: usize> Sums<B> {
     /// Nothing is in contact yet; `fill` is NaN where the input is no number.
     fn begin(&mut self, fill: &Lanes<f64, B>) {
-        self.traction = [*fill; 3];
-        self.tangent = [*fill; 9];
+        self.response.begin(fill);
         self.regimes.0 = [0; B];
     }
 
     /// Adds what a number of asperities per area answer, of the tangent some entries.
-    fn add(&mut self, density: &Lanes<f64, B>, part: &BinResponse<B>, regime: &Lanes<u64, B>, entries: &[usize]) {
-        for (sum, part) in self.traction.iter_mut().zip(&part.traction) {
-            run(Add(density, part, sum));
-        }
-        for &entry in entries {
-            run(Add(density, &part.tangent[entry], &mut self.tangent[entry]));
-        }
+    fn add(&mut self, density: &Lanes<f64, B>, part: &Response<B>, regime: &Lanes<u64, B>, entries: &[usize]) {
+        self.response.add(density, part, entries);
+        self.merge(density, regime);
+    }
+
+    /// Regimes of asperities, if there are any.
+    fn merge(&mut self, density: &Lanes<f64, B>, regime: &Lanes<u64, B>) {
         run(Merge(density, regime, &mut self.regimes));
     }
 }
@@ -1542,22 +1592,31 @@ impl<const B: usize> Scratch<B> {
             middle: zero,
             curves: CurveBlock::new(),
             of_annulus: CurveBlock::new(),
-            annulus: Room::new(),
             workspace: Workspace::new(),
             box_workspace: (cone == Cone::Box).then(BoxWorkspace::new),
-            bin: BinResponse {
-                traction: [zero; 3],
-                tangent: [zero; 9],
-            },
+            bin: Response::new(),
+            of_bin: Response::new(),
             sliders: Sliders {
                 before: [[0.0; 2]; MAX_RADII],
                 after: [[0.0; 2]; MAX_RADII],
             },
             sums: Sums {
-                traction: [zero; 3],
-                tangent: [zero; 9],
+                response: Response::new(),
                 regimes: Lanes([0; B]),
             },
+        }
+    }
+}
+
+/// Sum of what the annuli of a bin carry.
+struct Sum<'a, const B: usize>(&'a Lanes<f64, B>, &'a mut Lanes<f64, B>);
+
+impl<const B: usize> Pass for Sum<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self(part, sum) = self;
+        for i in 0..B {
+            sum.0[i] += part.0[i];
         }
     }
 }
@@ -1606,14 +1665,14 @@ impl<const B: usize> Pass for Share<'_, B> {
             into,
         } = self;
         for i in 0..B {
-            into.normal.0[i] = limit * of.normal.0[i];
-            into.normal_slope.0[i] = limit * of.normal_slope.0[i];
+            into.normal.0[i] = limit * bounded(of.normal.0[i]);
+            into.normal_slope.0[i] = limit * bounded(of.normal_slope.0[i]);
         }
         for q in 0..2 {
             for i in 0..B {
-                into.tangential[q].0[i] = stiffness * of.tangential[q].0[i];
-                into.tangential_slope[q].0[i] = stiffness * of.tangential_slope[q].0[i];
-                into.tangential_curvature[q].0[i] = stiffness * of.tangential_curvature[q].0[i];
+                into.tangential[q].0[i] = stiffness * bounded(of.tangential[q].0[i]);
+                into.tangential_slope[q].0[i] = stiffness * bounded(of.tangential_slope[q].0[i]);
+                into.tangential_curvature[q].0[i] = stiffness * bounded(of.tangential_curvature[q].0[i]);
             }
         }
     }

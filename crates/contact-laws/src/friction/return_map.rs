@@ -254,11 +254,17 @@ fn shares<const B: usize>(u_n: &[f64], u_n0: &[f64], share: &mut Lanes<f64, B>, 
     let n = u_n.len().min(B);
     let (u_n, u_n0) = (&u_n[..n], &u_n0[..n]);
     for i in 0..n {
-        let (path, reopened) = (u_n[i] - u_n0[i], u_n0[i] < 0.0);
-        let closed = u_n[i] / path;
-        share.0[i] = if reopened { closed } else { 1.0 };
-        share_slope.0[i] = if reopened { bounded((1.0 - closed) / path) } else { 0.0 };
+        [share.0[i], share_slope.0[i]] = share_of(u_n[i], u_n0[i]);
     }
+}
+
+/// The same of one path.
+#[inline(always)]
+pub(super) fn share_of(u_n: f64, u_n0: f64) -> [f64; 2] {
+    let (path, reopened) = (u_n - u_n0, u_n0 < 0.0);
+    let closed = u_n / path;
+    let slope = bounded((1.0 - closed) / path);
+    if reopened { [closed, slope] } else { CLOSED }
 }
 
 /// Stuck trials along one direction.
@@ -429,7 +435,7 @@ fn limits<const B: usize>(
 
 /// Regime of a point with a stuck trial.
 #[inline(always)]
-pub(super) fn regime_of(trial_x: f64, trial_y: f64, limit: f64, u_n: f64) -> u64 {
+fn regime_of(trial_x: f64, trial_y: f64, limit: f64, u_n: f64) -> u64 {
     let (x, y, scale) = scaled(trial_x, trial_y);
     let sticks = (x * x + y * y <= (limit * scale) * (limit * scale)) & (limit > 0.0);
     let code = if sticks { STICK } else { SLIP };
@@ -439,25 +445,17 @@ pub(super) fn regime_of(trial_x: f64, trial_y: f64, limit: f64, u_n: f64) -> u64
 
 /// How a point slips.
 #[derive(Clone, Copy)]
-pub(super) struct Slip {
+struct Slip {
     /// Zero without slip.
-    pub(super) direction: [f64; 2],
+    direction: [f64; 2],
     /// Traction over trial, and one over the length of the trial.
-    pub(super) ratio: f64,
+    ratio: f64,
     per_trial: f64,
-}
-
-impl Slip {
-    pub(super) const NONE: Self = Self {
-        direction: [0.0; 2],
-        ratio: 1.0,
-        per_trial: 0.0,
-    };
 }
 
 /// Where a point slips the direction and what is left of the trial, eq. (20).
 #[inline(always)]
-pub(super) fn slip_of(trial_x: f64, trial_y: f64, limit: f64, regime: u64) -> Slip {
+fn slip_of(trial_x: f64, trial_y: f64, limit: f64, regime: u64) -> Slip {
     let (x, y, scale) = scaled(trial_x, trial_y);
     // A limit of zero leaves nothing to differentiate and needs no direction.
     let directed = (regime == SLIP) & (limit > 0.0);
@@ -476,7 +474,7 @@ pub(super) fn slip_of(trial_x: f64, trial_y: f64, limit: f64, regime: u64) -> Sl
 
 /// A trial in a power of two of its unit in which squares neither overflow nor underflow, and that power.
 #[inline(always)]
-fn scaled(x: f64, y: f64) -> (f64, f64, f64) {
+pub(super) fn scaled(x: f64, y: f64) -> (f64, f64, f64) {
     let largest = max(x.abs(), y.abs());
     let small = if largest < 1e-140 { UP } else { 1.0 };
     let scale = if largest > 1e140 { DOWN } else { small };
@@ -627,7 +625,7 @@ fn tangential_rows<const B: usize>(
 
 /// Rows of the tangential tractions of a closed point, from the derivatives of the trial along each direction and along `u_n`.
 #[inline(always)]
-pub(super) fn rows_of(
+fn rows_of(
     sticks: bool,
     [d_x, d_y]: [f64; 2],
     ratio: f64,

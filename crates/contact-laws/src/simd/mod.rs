@@ -21,6 +21,17 @@ pub(crate) const BLOCK: usize = 64;
 /// Points per block of a short batch: what is set up for a block is then much less.
 pub(crate) const SHORT_BLOCK: usize = 8;
 
+/// Points that are looked at together where some need more than others: as many as the widest register has numbers.
+pub(crate) const WIDTH: usize = 8;
+
+/// The numbers of `W` points.
+#[inline(always)]
+pub(crate) fn lanes<const W: usize>(values: &[f64]) -> [f64; W] {
+    let mut lanes = [0.0; W];
+    lanes.copy_from_slice(&values[..W]);
+    lanes
+}
+
 /// Numbers of the `B` points of a block, at the alignment of a vector register.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]

@@ -553,11 +553,7 @@ fn in_odd_chunks(law: &dyn TractionLaw, jump: &[[f64; 3]], begin: &[Vec<f64>]) {
         Sticking::Coulomb,
         Components::new(&columns[0], &columns[1], &columns[2]),
         StateView::new(&state, n, 0),
-        StateViewMut {
-            data: &mut end,
-            stride: n,
-            offset: 0,
-        },
+        StateViewMut::new(&mut end, n, 0),
         ComponentsMut::new(x, y, normal),
         None,
         None,

@@ -1,0 +1,247 @@
+//! The annuli of the asperities of a bin, eight points at a time: what belongs to the asperity stays in registers from annulus to annulus.
+//!
+//! The numbers are those of [`Block`](super::return_map::Block) with a share of the asperity's curves, for a circular cone and rules that remember
+//! tractions. The trial of such a rule is linear in the stiffness, so that the annuli share what the tangent takes from it.
+//!
+//! Squares of trials and limits are compared. Where these could overflow or vanish, which is far from what is physical, all is done again with powers
+//! of two taken off, and with the same bits for those that need none.
+
+use super::return_map::{CLOSED, SLIP, STICK, TRACTION, jet, limit_slope, path, scaled, share_of};
+use super::rule::{FrictionRule, Path};
+use crate::curves::CurveBlock;
+use crate::jet::Jet;
+#[cfg(not(feature = "std"))]
+use crate::math::Float as _;
+use crate::simd::bounds::{bounded, within};
+use crate::simd::{Lanes, Pass, WIDTH, lanes};
+
+/// What the annuli of a bin answer from, and where it goes.
+pub(crate) struct Annuli<'a, const B: usize> {
+    /// Shares of slip limit and stiffness.
+    pub(crate) shares: &'a [[f64; 2]],
+    /// Jump and the one at the begin state, along the normal those of the asperities.
+    pub(crate) jump: [&'a [f64]; 3],
+    pub(crate) begin: [&'a [f64]; 3],
+    /// Whether a closed point was open at its begin state.
+    pub(crate) reclosed: bool,
+    /// As in [`Block`](super::return_map::Block).
+    pub(crate) mu: &'a [f64],
+    pub(crate) mu_slope: &'a [f64],
+    pub(crate) u_n: &'a Lanes<f64, B>,
+    /// Of the asperity.
+    pub(crate) curves: &'a CurveBlock<B>,
+    pub(crate) unlimited: bool,
+    /// What annuli remember, from that of the first one at the first point on, and points from one component to the next.
+    pub(crate) memory: (&'a [f64], usize),
+    pub(crate) end: (&'a mut [f64], usize),
+    /// Of one asperity.
+    pub(crate) traction: &'a mut [Lanes<f64, B>; 3],
+    /// Row by row; those of the normal traction along the surface are not written.
+    pub(crate) tangent: Option<&'a mut [Lanes<f64, B>; 9]>,
+    /// Those of all annuli, bit by bit.
+    pub(crate) regimes: &'a mut Lanes<u64, B>,
+}
+
+/// Annuli with their rule.
+pub(crate) struct Ruled<'a, R, const B: usize>(pub(crate) Annuli<'a, B>, pub(crate) R);
+
+impl<R: FrictionRule, const B: usize> Pass for Ruled<'_, R, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self(mut annuli, rule) = self;
+        macro_rules! answer {
+            ($tangent:literal) => {
+                if !all::<R, $tangent, false, B>(rule, &mut annuli) {
+                    all::<R, $tangent, true, B>(rule, &mut annuli);
+                }
+            };
+        }
+        match annuli.tangent.is_some() {
+            true => answer!(true),
+            false => answer!(false),
+        }
+    }
+}
+
+/// Squares between these bounds are as exact as others.
+const LEAST: f64 = 1e-280;
+const LARGEST: f64 = 1e280;
+
+/// All points; whether no square was out of bounds.
+#[inline(always)]
+fn all<R: FrictionRule, const TANGENT: bool, const SCALED: bool, const B: usize>(
+    rule: R,
+    annuli: &mut Annuli<'_, B>,
+) -> bool {
+    let m = annuli.mu.len().min(B);
+    let wide = m - m % WIDTH;
+    let mut is_moderate = true;
+    for first in (0..wide).step_by(WIDTH) {
+        is_moderate &= some::<R, TANGENT, SCALED, WIDTH, B>(rule, annuli, first);
+    }
+    for first in wide..m {
+        is_moderate &= some::<R, TANGENT, SCALED, 1, B>(rule, annuli, first);
+    }
+    is_moderate
+}
+
+/// `W` points from one on.
+#[inline(always)]
+fn some<R: FrictionRule, const TANGENT: bool, const SCALED: bool, const W: usize, const B: usize>(
+    rule: R,
+    annuli: &mut Annuli<'_, B>,
+    first: usize,
+) -> bool {
+    let zero = [0.0; W];
+    // Macros, since closures are calls here.
+    macro_rules! at {
+        ($values:expr) => {
+            lanes::<W>(&$values[first..])
+        };
+    }
+    let ([jump_x, jump_y, jump_n], [begin_x, begin_y, begin_n]) = (annuli.jump, annuli.begin);
+    let (u_x, u_y, w) = (at!(jump_x), at!(jump_y), at!(jump_n));
+    let (x_0, y_0, w_0) = (at!(begin_x), at!(begin_y), at!(begin_n));
+    let (mu, u_n) = (at!(annuli.mu), at!(annuli.u_n.0));
+    let CurveBlock {
+        normal,
+        normal_slope,
+        tangential: [k_x, k_y],
+        tangential_slope: [slope_x, slope_y],
+        tangential_curvature: [curvature_x, curvature_y],
+    } = annuli.curves;
+    let (normal, k_x, k_y) = (at!(normal.0), at!(k_x.0), at!(k_y.0));
+    let (slope_x, slope_y) = (at!(slope_x.0), at!(slope_y.0));
+    let (curvature_x, curvature_y) = match R::CURVATURE {
+        true => (at!(curvature_x.0), at!(curvature_y.0)),
+        false => (zero, zero),
+    };
+    let mut shares = [CLOSED; W];
+    if annuli.reclosed {
+        for i in 0..W {
+            shares[i] = share_of(w[i], w_0[i]);
+        }
+    }
+    // Stuck trials at one of the points, from what is remembered and a share of the stiffness.
+    macro_rules! trial {
+        ($i:expr, $u:expr, $u_0:expr, $memory:expr, $share:expr, $k:expr, $slope:expr, $curvature:expr) => {{
+            let i = $i;
+            let path = path([$u[i], $u_0[i]], [w[i], w_0[i]], 0.0, shares[i]);
+            let k = jet($k[i], $slope[i], $curvature[i]);
+            let k = Jet {
+                value: $share * k.value,
+                slope: $share * k.slope,
+                curvature: $share * k.curvature,
+            };
+            let traction = $memory;
+            rule.trial(Path { traction, ..path }, k)
+        }};
+    }
+    let (memory, stride) = annuli.memory;
+    let (mut sum_x, mut sum_y, mut sum_n, mut stuck) = (zero, zero, zero, zero);
+    let (mut across_x, mut across_y, mut mixed) = (zero, zero, zero);
+    let (mut towards_x, mut towards_y) = (zero, zero);
+    let mut is_moderate = [true; W];
+    for (annulus, &[of_limit, of_stiffness]) in annuli.shares.iter().enumerate() {
+        let row = 2 * annulus * stride + first;
+        let (m_x, m_y): ([f64; W], [f64; W]) = (lanes(&memory[row..]), lanes(&memory[row + stride..]));
+        let (mut x, mut y, mut limit) = (zero, zero, zero);
+        let mut sticks = [true; W];
+        for i in 0..W {
+            let closed = u_n[i] > 0.0;
+            // Zero, or NaN where the input is no number.
+            let fill = 0.0 * u_n[i];
+            let kept_x = if SCALED { within(m_x[i], TRACTION) } else { m_x[i] };
+            let kept_y = if SCALED { within(m_y[i], TRACTION) } else { m_y[i] };
+            let trial_x = trial!(i, u_x, x_0, kept_x, of_stiffness, k_x, slope_x, curvature_x);
+            let trial_y = trial!(i, u_y, y_0, kept_y, of_stiffness, k_y, slope_y, curvature_y);
+            x[i] = if closed { trial_x.traction } else { fill };
+            y[i] = if closed { trial_y.traction } else { fill };
+            let pressed = of_limit * bounded(normal[i]);
+            sum_n[i] += pressed;
+            let coulomb = mu[i] * pressed;
+            let own = if annuli.unlimited { f64::MAX } else { coulomb };
+            limit[i] = if closed { own } else { 0.0 };
+            let (scaled_x, scaled_y, scale) = if SCALED { scaled(x[i], y[i]) } else { (x[i], y[i], 1.0) };
+            let square = scaled_x * scaled_x + scaled_y * scaled_y;
+            let bound = (limit[i] * scale) * (limit[i] * scale);
+            sticks[i] = ((square <= bound) & (limit[i] > 0.0)) | !closed;
+            is_moderate[i] &= (square < LARGEST) & ((bound > LEAST) | (limit[i] == 0.0));
+        }
+        if sticks == [true; W] {
+            for i in 0..W {
+                stuck[i] += 1.0;
+                if TANGENT {
+                    across_x[i] += of_stiffness;
+                    across_y[i] += of_stiffness;
+                }
+            }
+        } else {
+            for i in 0..W {
+                let (scaled_x, scaled_y, scale) = if SCALED { scaled(x[i], y[i]) } else { (x[i], y[i], 1.0) };
+                let length = (scaled_x * scaled_x + scaled_y * scaled_y).sqrt();
+                // A limit of zero leaves nothing to differentiate and needs no direction.
+                let per_length = if limit[i] > 0.0 { 1.0 / length } else { 0.0 };
+                let d_x = if limit[i] > 0.0 { scaled_x * per_length } else { 0.0 };
+                let d_y = if limit[i] > 0.0 { scaled_y * per_length } else { 0.0 };
+                let sticks = sticks[i];
+                x[i] = if sticks { x[i] } else { limit[i] * d_x };
+                y[i] = if sticks { y[i] } else { limit[i] * d_y };
+                stuck[i] += if sticks { 1.0 } else { 0.0 };
+                if TANGENT {
+                    let left = of_stiffness * (limit[i] * scale * per_length);
+                    across_x[i] += if sticks { of_stiffness } else { left * d_y * d_y };
+                    across_y[i] += if sticks { of_stiffness } else { left * d_x * d_x };
+                    mixed[i] -= if sticks { 0.0 } else { left * d_x * d_y };
+                    towards_x[i] += if sticks { 0.0 } else { of_limit * d_x };
+                    towards_y[i] += if sticks { 0.0 } else { of_limit * d_y };
+                }
+            }
+        }
+        for i in 0..W {
+            sum_x[i] += x[i];
+            sum_y[i] += y[i];
+        }
+        let (end, stride) = &mut annuli.end;
+        let row = 2 * annulus * *stride + first;
+        end[row..][..W].copy_from_slice(&x);
+        end[row + *stride..][..W].copy_from_slice(&y);
+    }
+    let n_annuli = annuli.shares.len() as f64;
+    let mut regimes = [0; W];
+    for i in 0..W {
+        let closed = u_n[i] > 0.0;
+        let fill = 0.0 * u_n[i];
+        sum_n[i] = if closed { sum_n[i] } else { fill };
+        let (sticks, slips) = (closed & (stuck[i] > 0.0), closed & (stuck[i] < n_annuli));
+        regimes[i] = u64::from(sticks) * STICK + u64::from(slips) * SLIP;
+    }
+    for (traction, sum) in annuli.traction.iter_mut().zip([&sum_x, &sum_y, &sum_n]) {
+        traction.0[first..][..W].copy_from_slice(sum);
+    }
+    annuli.regimes.0[first..][..W].copy_from_slice(&regimes);
+    if let (true, Some([xx, xy, xn, yx, yy, yn, _, _, nn])) = (TANGENT, annuli.tangent.as_deref_mut()) {
+        let (mu_slope, normal_slope) = (at!(annuli.mu_slope), at!(normal_slope.0));
+        let mut rows = [zero; 7];
+        for i in 0..W {
+            let stuck_x = trial!(i, u_x, x_0, 0.0, 1.0, k_x, slope_x, curvature_x);
+            let stuck_y = trial!(i, u_y, y_0, 0.0, 1.0, k_y, slope_y, curvature_y);
+            let slip_slope = limit_slope(mu_slope[i], normal_slope[i]);
+            let closed = u_n[i] > 0.0;
+            let fill = 0.0 * u_n[i];
+            let closing_x = across_x[i] * stuck_x.closing + mixed[i] * stuck_y.closing + slip_slope * towards_x[i];
+            let closing_y = mixed[i] * stuck_x.closing + across_y[i] * stuck_y.closing + slip_slope * towards_y[i];
+            rows[0][i] = if closed { across_x[i] * stuck_x.along } else { fill };
+            rows[1][i] = if closed { mixed[i] * stuck_y.along } else { fill };
+            rows[2][i] = if closed { closing_x } else { fill };
+            rows[3][i] = if closed { mixed[i] * stuck_x.along } else { fill };
+            rows[4][i] = if closed { across_y[i] * stuck_y.along } else { fill };
+            rows[5][i] = if closed { closing_y } else { fill };
+            rows[6][i] = if closed { bounded(normal_slope[i]) } else { fill };
+        }
+        for (entry, row) in [xx, xy, xn, yx, yy, yn, nn].into_iter().zip(&rows) {
+            entry.0[first..][..W].copy_from_slice(row);
+        }
+    }
+    SCALED | (is_moderate == [true; W])
+}
