@@ -129,7 +129,7 @@ impl AtRest<'_> {
     /// Along the jumps of a closed loop from its positive reversal on (m), relative to the static state.
     fn walk<'p>(&self, path: impl ExactSizeIterator<Item = &'p [f64]>) -> Work {
         let n = self.interface.n_dofs();
-        let (mut begin, mut end) = (self.state.clone(), self.state.clone());
+        let [mut reached, mut end] = [(); 2].map(|()| self.interface.no_change());
         let (mut workspace, mut force, mut jump) = (self.interface.workspace(), vec![0.0; n], vec![0.0; n]);
         let mut at = |motion: Option<&[f64]>, begin: &State, end: &mut State| -> Vec<f64> {
             for (i, jump) in jump.iter_mut().enumerate() {
@@ -139,7 +139,7 @@ impl AtRest<'_> {
                 .evaluate(&jump, Sticking::Coulomb, begin, end, &mut workspace, &mut force, None);
             force.clone()
         };
-        let rest = at(None, &begin, &mut end);
+        let rest = at(None, self.state, &mut end);
         let middle = path.len() / 2;
         let mut work = Work {
             reversals: 0.0,
@@ -147,8 +147,9 @@ impl AtRest<'_> {
         };
         let mut before: Option<(Vec<f64>, &[f64])> = None;
         for (vertex, motion) in path.enumerate() {
-            let mut found = at(Some(motion), &begin, &mut end);
-            std::mem::swap(&mut begin, &mut end);
+            let from = if vertex == 0 { self.state } else { &reached };
+            let mut found = at(Some(motion), from, &mut end);
+            std::mem::swap(&mut reached, &mut end);
             found.iter_mut().zip(&rest).for_each(|(force, rest)| *force -= rest);
             if vertex == 0 || vertex == middle {
                 work.reversals += 0.5 * found.iter().zip(motion).map(|(f, u)| f * u).sum::<f64>();

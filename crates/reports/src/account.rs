@@ -1,6 +1,6 @@
 //! What is printed at the end of a run.
 
-use crate::answer;
+use crate::answer::{self, length};
 use crate::errors::{adaptation, errors};
 use crate::names::SUMMARY;
 use crate::phrases::damping;
@@ -53,9 +53,14 @@ fn shortcomings(out: &mut String, summary: &Summary) {
     }
     let open = summary.backbone.iter().filter(|b| b.closed == Some(false)).count();
     if open > 0 {
+        let loops = if open == 1 { "loop" } else { "loops" };
+        let at = summary.backbone.iter().filter(|b| b.closed == Some(false));
+        let at: Vec<String> = at.filter_map(|b| b.response_displacement).map(length).collect();
         let _ = writeln!(
             out,
-            "{open} loops did not close within the cycles allowed; see loop_closure in {SUMMARY}"
+            "{open} {loops} did not close within the cycles allowed, at {}: their damping still changes from cycle to cycle; see cycles and \
+             damping_floor in {SUMMARY}",
+            at.join(", ")
         );
     }
 }

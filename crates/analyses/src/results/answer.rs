@@ -44,7 +44,8 @@ pub struct Answer {
     /// Amplitude of the response from which at least 1 % of the area of contact slips as a whole (m), interpolated; the smallest amplitude where
     /// it does so from the beginning, `null` where it does so nowhere.
     pub onset_amplitude_m: Option<f64>,
-    /// Frequency and damping at the amplitudes of a backbone of five or fewer, else at 1, 10 and 100 um, as far as the backbone has them.
+    /// Frequency and damping at the amplitudes of a backbone of five or fewer, else at 1, 10 and 100 um, as far as the backbone has them; at the nearer
+    /// computed amplitude where the damping of one neighbour alone is above its floor.
     pub damping: Vec<AtAmplitude>,
     /// Whether it can be relied on.
     pub verdict: Verdict,
@@ -60,14 +61,14 @@ pub struct AtAmplitude {
     pub amplitude_m: f64,
     /// Frequency (Hz).
     pub frequency_hz: f64,
-    /// Within which it is by the estimated numerical error (Hz).
+    /// Within which it is by the estimated numerical error, and between computed amplitudes by what else they allow (Hz).
     pub frequency_interval_hz: Option<[f64; 2]>,
     /// Band of it by uncertain inputs (Hz).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frequency_band_hz: Option<[f64; 2]>,
     /// Total damping ratio (-); `null` below its floor.
     pub ratio: Option<f64>,
-    /// Within which it is by the estimated numerical error.
+    /// Within which it is by the estimated numerical error, and between computed amplitudes by what else they allow.
     pub interval: Option<[f64; 2]>,
     /// Band of it by uncertain inputs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -131,18 +132,19 @@ pub(super) fn answer(found: &Found<'_>) -> Answer {
         .iter()
         .find(|point| point.converged)
         .map_or(of_mesh, error);
-    let damping: Vec<AtAmplitude> = amplitudes(found.backbone)
+    let mut answered: Vec<Answered> = amplitudes(found.backbone)
         .into_iter()
         .filter_map(|amplitude| at(amplitude, found.backbone, found.bands, &error))
         .collect();
-    let (verdict, reason) = judge(found, linear_error, &damping);
+    answered.dedup_by(|a, b| a.at.amplitude_m == b.at.amplitude_m);
+    let (verdict, reason) = judge(found, linear_error, &answered);
     Answer {
         mode: found.mode,
         frequency_hz: found.frequency_hz,
         frequency_interval_hz: around(found.frequency_hz, linear_error.frequency_relative),
         frequency_band_hz: found.bands.first().and_then(|band| edges(&band.frequency_hz)),
         onset_amplitude_m: onset(found.backbone),
-        damping,
+        damping: answered.into_iter().map(|answered| answered.at).collect(),
         verdict,
         reason,
     }
@@ -190,23 +192,65 @@ fn between(at: f64, [from, to]: [f64; 2], values: [f64; 2]) -> f64 {
     }
 }
 
+/// An answer, and where its intervals come from.
+struct Answered {
+    at: AtAmplitude,
+    /// Numerical errors of frequency (relative) and of the logarithm of damping.
+    numerical: DialError,
+    /// How much damping may differ from what is interpolated (logarithm).
+    interpolated: f64,
+}
+
+/// Least and largest number at `at` between two of some computed places, `below` and `above`. The power through both is one bound. A curve that bends
+/// one way lies between it and the nearer of the powers through either and the next one beyond; one that bends both ways lies between these two.
+fn allowed(at: f64, [below, above]: [usize; 2], known: &[(f64, f64)]) -> [f64; 2] {
+    let chord = |from: usize, to: usize| between(at, [known[from].0, known[to].0], [known[from].1, known[to].1]);
+    let own = chord(below, above);
+    if below == above {
+        return [own; 2];
+    }
+    let before = below.checked_sub(1).map(|first| beyond(at, known[first], known[below]));
+    let after = known.get(above + 1).map(|next| beyond(at, known[above], *next));
+    let mut beyond: Vec<f64> = before
+        .into_iter()
+        .chain(after)
+        .filter(|number| number.is_finite())
+        .collect();
+    beyond.sort_by(f64::total_cmp);
+    let least = beyond.iter().rfind(|number| **number < own);
+    let most = beyond.iter().find(|number| **number > own);
+    [*least.unwrap_or(&own), *most.unwrap_or(&own)]
+}
+
+/// The power through two places, at a third.
+fn beyond(at: f64, (from, low): (f64, f64), (to, high): (f64, f64)) -> f64 {
+    low * (at / from).powf((high / low).ln() / (to / from).ln())
+}
+
 /// The answer at an amplitude within the backbone.
 fn at(
     amplitude: f64,
     backbone: &[BackboneSummary],
     bands: &[Band],
     error: &dyn Fn(&BackboneSummary) -> DialError,
-) -> Option<AtAmplitude> {
+) -> Option<Answered> {
     let known: Vec<(f64, &BackboneSummary)> = backbone
         .iter()
         .filter(|point| point.converged)
         .filter_map(|point| Some((point.response_displacement?, point)))
         .collect();
     let above = known.iter().position(|(at, _)| *at >= amplitude)?;
-    let pair = [
-        &known[above.saturating_sub(usize::from(known[above].0 > amplitude))],
-        &known[above],
-    ];
+    let mut places = [above.saturating_sub(usize::from(known[above].0 > amplitude)), above];
+    let mut amplitude = amplitude;
+    // Nothing is known of the damping between one that is known and one that is not.
+    let has_damping = places.map(|place| known[place].1.damping_ratio.is_some());
+    if has_damping[0] != has_damping[1] {
+        let [below, above] = places.map(|place| known[place].0);
+        let nearer = usize::from(above / amplitude < amplitude / below);
+        places = [places[nearer]; 2];
+        amplitude = known[places[nearer]].0;
+    }
+    let pair = places.map(|place| &known[place]);
     let (ends, points) = (pair.map(|(at, _)| *at), pair.map(|(_, point)| *point));
     let of = |value: &dyn Fn(&BackboneSummary) -> Option<f64>| {
         let [low, high] = points.map(value);
@@ -218,19 +262,50 @@ fn at(
     let frequency_hz = between(amplitude, ends, of(&|point| point.frequency_hz)?);
     let ratio = of(&|point| point.damping_ratio).map(|ratios| between(amplitude, ends, ratios));
     let friction = of(&|point| point.friction_damping_ratio).map(|ratios| between(amplitude, ends, ratios));
-    let interval = || {
-        let (ratio, friction, error) = (ratio?, friction?, larger(&|error| error.damping_ln)?);
-        let others = ratio - friction;
-        Some([friction * (-error).exp() + others, friction * error.exp() + others])
+    let numerical = DialError {
+        frequency_relative: larger(&|error| error.frequency_relative),
+        damping_ln: larger(&|error| error.damping_ln),
     };
-    Some(AtAmplitude {
-        amplitude_m: amplitude,
-        frequency_hz,
-        frequency_interval_hz: around(frequency_hz, larger(&|error| error.frequency_relative)),
-        frequency_band_hz: band(amplitude, bands, &|band| edges(&band.frequency_hz)),
-        ratio,
-        interval: interval(),
-        band: band(amplitude, bands, &|band| edges(&band.damping_ratio)),
+    // Those beside the two as far as they have the number as well.
+    let allowed_of = |value: &dyn Fn(&BackboneSummary) -> Option<f64>| {
+        let first = (0..=places[0])
+            .rev()
+            .take_while(|place| value(known[*place].1).is_some());
+        let first = first.last()?;
+        let values = known[first..]
+            .iter()
+            .map_while(|(at, point)| Some((*at, value(point)?)));
+        let values: Vec<(f64, f64)> = values.collect();
+        let places = places.map(|place| place - first);
+        (places[1] < values.len()).then(|| allowed(amplitude, places, &values))
+    };
+    let frequencies = allowed_of(&|point| point.frequency_hz);
+    let frequency_interval_hz = || {
+        let (error, [low, high]) = (numerical.frequency_relative?, frequencies?);
+        Some([low * (1.0 - error), high * (1.0 + error)])
+    };
+    let frictions = allowed_of(&|point| point.friction_damping_ratio);
+    let interval = || {
+        let (ratio, friction, error) = (ratio?, friction?, numerical.damping_ln?);
+        let (others, [low, high]) = (ratio - friction, frictions?);
+        Some([low * (-error).exp() + others, high * error.exp() + others])
+    };
+    let interpolated = || {
+        let ([low, high], friction) = (frictions?, friction?);
+        Some((friction / low).ln().max((high / friction).ln()))
+    };
+    Some(Answered {
+        at: AtAmplitude {
+            amplitude_m: amplitude,
+            frequency_hz,
+            frequency_interval_hz: frequency_interval_hz(),
+            frequency_band_hz: band(amplitude, bands, &|band| edges(&band.frequency_hz)),
+            ratio,
+            interval: interval(),
+            band: band(amplitude, bands, &|band| edges(&band.damping_ratio)),
+        },
+        numerical,
+        interpolated: interpolated().unwrap_or_default(),
     })
 }
 
@@ -266,7 +341,7 @@ fn onset(backbone: &[BackboneSummary]) -> Option<f64> {
 }
 
 /// What speaks against a result, the worst first; or what limits it.
-fn judge(of: &Found<'_>, linear: DialError, answered: &[AtAmplitude]) -> (Verdict, String) {
+fn judge(of: &Found<'_>, linear: DialError, answered: &[Answered]) -> (Verdict, String) {
     let mut found: Vec<(Verdict, String)> = Vec::new();
     let failed = of
         .backbone
@@ -286,13 +361,11 @@ fn judge(of: &Found<'_>, linear: DialError, answered: &[AtAmplitude]) -> (Verdic
         let largest = known.max_by(|a, b| a.1.total_cmp(&b.1));
         largest.map_or("the mesh", |(dial, _)| cause(dial))
     };
-    let width = |[low, high]: [f64; 2]| 0.5 * (high / low).ln();
-    let frequency = answered.iter().filter_map(|one| one.frequency_interval_hz).map(width);
+    let frequency = answered.iter().filter_map(|one| one.numerical.frequency_relative);
     let frequency = frequency.chain(linear.frequency_relative).fold(0.0, f64::max);
-    let damping = answered
-        .iter()
-        .filter_map(|one| one.interval)
-        .map(width)
+    let with_damping = answered.iter().filter(|one| one.at.ratio.is_some());
+    let damping = with_damping
+        .filter_map(|one| one.numerical.damping_ln)
         .fold(0.0, f64::max);
     let of_frequency = format!(
         "the numerical error of the frequency is up to {:.1} %, most of it by {}",
@@ -310,6 +383,26 @@ fn judge(of: &Found<'_>, linear: DialError, answered: &[AtAmplitude]) -> (Verdic
         } else if error > limits[0] {
             found.push((Verdict::WithCare, text.clone()));
         }
+    }
+    let interpolated = answered.iter().map(|one| one.interpolated).fold(0.0, f64::max);
+    if interpolated > DAMPING[0] {
+        let text = format!(
+            "between computed amplitudes the damping is known within a factor of {:.2}; more of them make it known better",
+            interpolated.exp()
+        );
+        found.push((Verdict::WithCare, text));
+    }
+    let open = of.backbone.iter().filter(|point| point.closed == Some(false)).count();
+    if open > 0 {
+        let (all, cycles) = (
+            of.backbone.len(),
+            of.backbone.iter().filter_map(|point| point.cycles).max(),
+        );
+        let text = format!(
+            "{open} of {all} loops did not close within {} cycles, so that their damping still changes from cycle to cycle",
+            cycles.unwrap_or_default()
+        );
+        found.push((Verdict::WithCare, text));
     }
     found.extend(
         of.warnings
@@ -331,7 +424,10 @@ fn judge(of: &Found<'_>, linear: DialError, answered: &[AtAmplitude]) -> (Verdic
             Verdict::WithCare,
             format!("the numerical error is not known: {}", of.error_bar.source),
         ));
-    } else if answered.iter().any(|one| one.ratio.is_some() && one.interval.is_none()) {
+    } else if answered
+        .iter()
+        .any(|one| one.at.ratio.is_some() && one.at.interval.is_none())
+    {
         found.push((
             Verdict::WithCare,
             "the numerical error of the damping is not known".into(),
@@ -385,5 +481,23 @@ mod tests {
         let found = between(2e-6, [1e-6, 1e-5], [at(1e-6), at(1e-5)]);
         assert!((found / at(2e-6) - 1.0).abs() < 1e-12);
         assert_eq!(between(1e-6, [1e-6, 1e-6], [3.0, 3.0]), 3.0);
+    }
+
+    #[test]
+    fn a_bend_between_two_amplitudes_is_allowed_for() {
+        // Flat up to 3e-6, and the third power from there on.
+        let bent = |x: f64| 2e-6 * (x / 3e-6).max(1.0).powi(3);
+        let known = [1e-6, 2e-6, 8e-6, 2e-5].map(|x| (x, bent(x)));
+        for at in [2.5e-6, 3e-6, 4e-6, 6e-6] {
+            let [least, most] = allowed(at, [1, 2], &known);
+            assert!(
+                least * (1.0 - 1e-12) <= bent(at) && bent(at) <= most * (1.0 + 1e-12),
+                "{at}: {least} {most}"
+            );
+        }
+        let straight = known.map(|(x, _)| (x, 3.0 * x.powf(0.7)));
+        let [least, most] = allowed(4e-6, [1, 2], &straight);
+        assert!(most / least - 1.0 < 1e-12);
+        assert_eq!(allowed(2e-6, [1, 1], &known), [bent(2e-6); 2]);
     }
 }

@@ -13,6 +13,7 @@ use crate::jet::Jet;
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
 use crate::simd::bounds::{bounded, within};
+use crate::simd::elementary::{max, min};
 use crate::simd::{Lanes, Pass, WIDTH, lanes};
 
 /// What the annuli of a bin answer from, and where it goes.
@@ -116,17 +117,17 @@ fn some<R: FrictionRule, const TANGENT: bool, const SCALED: bool, const W: usize
         true => (at!(curvature_x.0), at!(curvature_y.0)),
         false => (zero, zero),
     };
-    let mut shares = [CLOSED; W];
+    let (mut share, mut share_slope) = ([CLOSED[0]; W], [CLOSED[1]; W]);
     if annuli.reclosed {
         for i in 0..W {
-            shares[i] = share_of(w[i], w_0[i]);
+            [share[i], share_slope[i]] = share_of(w[i], w_0[i]);
         }
     }
     // Stuck trials at one of the points, from what is remembered and a share of the stiffness.
     macro_rules! trial {
         ($i:expr, $u:expr, $u_0:expr, $memory:expr, $share:expr, $k:expr, $slope:expr, $curvature:expr) => {{
             let i = $i;
-            let path = path([$u[i], $u_0[i]], [w[i], w_0[i]], 0.0, shares[i]);
+            let path = path([$u[i], $u_0[i]], [w[i], w_0[i]], 0.0, [share[i], share_slope[i]]);
             let k = jet($k[i], $slope[i], $curvature[i]);
             let k = Jet {
                 value: $share * k.value,
@@ -145,7 +146,7 @@ fn some<R: FrictionRule, const TANGENT: bool, const SCALED: bool, const W: usize
     for (annulus, &[of_limit, of_stiffness]) in annuli.shares.iter().enumerate() {
         let row = 2 * annulus * stride + first;
         let (m_x, m_y): ([f64; W], [f64; W]) = (lanes(&memory[row..]), lanes(&memory[row + stride..]));
-        let (mut x, mut y, mut limit) = (zero, zero, zero);
+        let (mut x, mut y, mut limit, mut square) = (zero, zero, zero, zero);
         let mut sticks = [true; W];
         for i in 0..W {
             let closed = u_n[i] > 0.0;
@@ -159,48 +160,45 @@ fn some<R: FrictionRule, const TANGENT: bool, const SCALED: bool, const W: usize
             y[i] = if closed { trial_y.traction } else { fill };
             let pressed = of_limit * bounded(normal[i]);
             sum_n[i] += pressed;
-            let coulomb = mu[i] * pressed;
+            // Finite, so that it can be multiplied by zero.
+            let coulomb = min(mu[i] * pressed, f64::MAX);
             let own = if annuli.unlimited { f64::MAX } else { coulomb };
             limit[i] = if closed { own } else { 0.0 };
             let (scaled_x, scaled_y, scale) = if SCALED { scaled(x[i], y[i]) } else { (x[i], y[i], 1.0) };
-            let square = scaled_x * scaled_x + scaled_y * scaled_y;
+            square[i] = scaled_x * scaled_x + scaled_y * scaled_y;
             let bound = (limit[i] * scale) * (limit[i] * scale);
-            sticks[i] = ((square <= bound) & (limit[i] > 0.0)) | !closed;
-            is_moderate[i] &= (square < LARGEST) & ((bound > LEAST) | (limit[i] == 0.0));
+            sticks[i] = ((square[i] <= bound) & (limit[i] > 0.0)) | !closed;
+            is_moderate[i] &= (square[i] < LARGEST) & ((bound > LEAST) | (limit[i] == 0.0));
         }
-        if sticks == [true; W] {
+        // Factors in the place of choices, of which the compiler would make branches.
+        let (mut stays, mut per_length) = (zero, zero);
+        for i in 0..W {
+            stays[i] = if sticks[i] { 1.0 } else { 0.0 };
+        }
+        if sticks != [true; W] {
             for i in 0..W {
-                stuck[i] += 1.0;
-                if TANGENT {
-                    across_x[i] += of_stiffness;
-                    across_y[i] += of_stiffness;
-                }
-            }
-        } else {
-            for i in 0..W {
-                let (scaled_x, scaled_y, scale) = if SCALED { scaled(x[i], y[i]) } else { (x[i], y[i], 1.0) };
-                let length = (scaled_x * scaled_x + scaled_y * scaled_y).sqrt();
                 // A limit of zero leaves nothing to differentiate and needs no direction.
-                let per_length = if limit[i] > 0.0 { 1.0 / length } else { 0.0 };
-                let d_x = if limit[i] > 0.0 { scaled_x * per_length } else { 0.0 };
-                let d_y = if limit[i] > 0.0 { scaled_y * per_length } else { 0.0 };
-                let sticks = sticks[i];
-                x[i] = if sticks { x[i] } else { limit[i] * d_x };
-                y[i] = if sticks { y[i] } else { limit[i] * d_y };
-                stuck[i] += if sticks { 1.0 } else { 0.0 };
-                if TANGENT {
-                    let left = of_stiffness * (limit[i] * scale * per_length);
-                    across_x[i] += if sticks { of_stiffness } else { left * d_y * d_y };
-                    across_y[i] += if sticks { of_stiffness } else { left * d_x * d_x };
-                    mixed[i] -= if sticks { 0.0 } else { left * d_x * d_y };
-                    towards_x[i] += if sticks { 0.0 } else { of_limit * d_x };
-                    towards_y[i] += if sticks { 0.0 } else { of_limit * d_y };
-                }
+                let directed = if !sticks[i] & (limit[i] > 0.0) { 1.0 } else { 0.0 };
+                per_length[i] = directed / max(square[i], f64::MIN_POSITIVE).sqrt();
             }
         }
         for i in 0..W {
+            let (scaled_x, scaled_y, scale) = if SCALED { scaled(x[i], y[i]) } else { (x[i], y[i], 1.0) };
+            let (d_x, d_y) = (scaled_x * per_length[i], scaled_y * per_length[i]);
+            x[i] = stays[i] * x[i] + limit[i] * d_x + 0.0;
+            y[i] = stays[i] * y[i] + limit[i] * d_y + 0.0;
             sum_x[i] += x[i];
             sum_y[i] += y[i];
+            stuck[i] += stays[i];
+            if TANGENT {
+                let left = of_stiffness * (limit[i] * per_length[i] * scale);
+                let held = of_stiffness * stays[i];
+                across_x[i] += held + left * d_y * d_y;
+                across_y[i] += held + left * d_x * d_x;
+                mixed[i] -= left * d_x * d_y;
+                towards_x[i] += of_limit * d_x;
+                towards_y[i] += of_limit * d_y;
+            }
         }
         let (end, stride) = &mut annuli.end;
         let row = 2 * annulus * *stride + first;

@@ -515,8 +515,9 @@ fn tractions<R: FrictionRule, const B: usize>(
         let limit = mu[i] * normal;
         let limit = if unlimited { 0.0 } else { limit };
         let sticks = regime.0[i] == STICK;
-        let t_x = if sticks { trial_x.0[i] } else { limit * direction_x.0[i] };
-        let t_y = if sticks { trial_y.0[i] } else { limit * direction_y.0[i] };
+        // Zero has no sign.
+        let t_x = if sticks { trial_x.0[i] } else { limit * direction_x.0[i] } + 0.0;
+        let t_y = if sticks { trial_y.0[i] } else { limit * direction_y.0[i] } + 0.0;
         let (mut t_n, mut memory_1, mut memory_2) = (normal, t_x, t_y);
         if stretches::<R>() {
             memory_1 = ratio.0[i] * stretch_x.0[i];

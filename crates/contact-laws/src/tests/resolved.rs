@@ -776,7 +776,101 @@ fn all_from(law: &ResolvedLaw, sticking: Sticking, jump: &[Vec<f64>; 3], begin: 
     found
 }
 
-/// Where all points were closed before, an annulus is answered at once; beside one that was open, pass by pass.
+/// Annuli of asperities that press without bound are answered a second time, with powers of two taken off. The points beside them keep their bits.
+#[test]
+fn annuli_have_the_same_bits_beside_a_point_out_of_bounds() {
+    let [formulas, _] = published();
+    let elastic = Formulas {
+        yielding: None,
+        ..formulas
+    };
+    let bins = AsperityBins::try_new(elastic.asperity(), vec![0.0, 1e-6], vec![1e5; 2]).unwrap();
+    let friction = AsperityFriction::Annuli(HistoryRule::Incremental, 4);
+    let n = 21;
+    let (bins, mu) = (PointParameters::uniform(bins, n), PointParameters::uniform(0.2, n));
+    let law = ResolvedLaw::try_new(bins, mu, friction, Cone::Circle).unwrap();
+    let of = |scale: f64| {
+        (0..n)
+            .map(move |i| scale * (1.7 * i as f64 + 0.3).sin())
+            .collect::<Vec<f64>>()
+    };
+    let jump = [of(4e-7), of(2e-7), vec![3e-6; n]];
+    let start = vec![0.0; n * law.info().n_state()];
+    for sticking in [Sticking::Coulomb, Sticking::Full, Sticking::Frictionless] {
+        let plain = all_of(&law, sticking, &jump, &start);
+        for (direction, value) in [(0, 1e200), (1, -1e200), (0, 1e-200), (2, 1e-160)] {
+            let mut beside = jump.clone();
+            beside[direction][n - 1] = value;
+            let found = all_of(&law, sticking, &beside, &start);
+            for (a, b) in plain.iter().zip(&found) {
+                assert_eq!(a[..n - 1], b[..n - 1], "{direction} {value} {sticking:?}");
+                assert!(b[n - 1].is_finite());
+            }
+        }
+    }
+}
+
+/// What is known to be zero is neither read nor written, and nobody can tell: along a path on which asperities close, open, yield and close again.
+#[test]
+fn zeros_that_are_known_change_no_bit() {
+    let [_, yielding] = published();
+    let elastic = Formulas {
+        yielding: None,
+        ..yielding
+    };
+    for (formulas, friction) in [
+        (elastic, AsperityFriction::Annuli(HistoryRule::Incremental, 3)),
+        (elastic, AsperityFriction::StickSlip(HistoryRule::Incremental)),
+        (yielding, AsperityFriction::Annuli(HistoryRule::Incremental, 2)),
+        (yielding, AsperityFriction::StickSlip(HistoryRule::EndPoint)),
+    ] {
+        let n = 64;
+        let gaps = vec![0.0, 1e-6, 2e-6, 4e-6, 8e-6];
+        let bins = AsperityBins::try_new(formulas.asperity(), gaps, vec![1e5; 5]).unwrap();
+        let (bins, mu) = (PointParameters::uniform(bins, n), PointParameters::uniform(0.2, n));
+        let law = ResolvedLaw::try_new(bins, mu, friction, Cone::Circle).unwrap();
+        let n_state = law.info().n_state();
+        let [mut plain, mut known, mut room] = [(); 3].map(|()| vec![0.0; n * n_state]);
+        let (mut zeros, mut room_zeros) = (0, 0);
+        let (mut fewest, mut most) = (usize::MAX, 0);
+        for (step, u_n) in [1.5e-6, 3e-6, 0.5e-6, -1e-6, 5e-6, 2.5e-6, 9e-6, 1e-6, 1.2e-6]
+            .into_iter()
+            .enumerate()
+        {
+            let sine = |i: usize| (1.3 * i as f64 + step as f64).sin();
+            let along = |scale: f64| (0..n).map(|i| scale * sine(i)).collect::<Vec<f64>>();
+            let jump = [
+                along(3e-7),
+                along(-1e-7),
+                (0..n).map(|i| u_n + 1e-7 * sine(i)).collect(),
+            ];
+            let found = all_of(&law, Sticking::Coulomb, &jump, &plain);
+            plain = found[12..].concat();
+            let (mut t, at) = ([(); 3].map(|()| vec![0.0; n]), zeros);
+            let [x, y, z] = &mut t;
+            law.evaluate(
+                0..n,
+                Sticking::Coulomb,
+                Components::new(&jump[0], &jump[1], &jump[2]),
+                StateView::new(&known, n, 0).known_finite(true).with_zeros_from(at),
+                StateViewMut::new(&mut room, n, 0).with_zeros_from(&mut room_zeros),
+                ComponentsMut::new(x, y, z),
+                None,
+                None,
+            );
+            std::mem::swap(&mut known, &mut room);
+            std::mem::swap(&mut zeros, &mut room_zeros);
+            assert_eq!(known, plain, "step {step}");
+            assert_eq!(t[..], found[..3], "step {step}");
+            let first = zeros.min(n_state);
+            assert!(known[n * first..].iter().all(|value| *value == 0.0));
+            (fewest, most) = (fewest.min(first), most.max(first));
+        }
+        assert!(fewest < n_state && fewest < most, "{fewest} {most}");
+    }
+}
+
+/// Beside a point that was open, whose path is closed in part, an annulus answers the same at the others.
 #[test]
 fn annuli_have_the_same_bits_beside_a_point_that_was_open() {
     let [formulas, _] = published();
