@@ -137,16 +137,19 @@ fn intervals_are_the_errors_of_the_settings() {
     for one in &answer.damping {
         let [low, high] = one.frequency_interval_hz.unwrap();
         let width = 0.5 * (high - low) / one.frequency_hz;
-        assert!(width <= 1.000_001 * largest && width > 0.0);
-        let [low, high] = one.interval.unwrap();
-        assert!(low < one.ratio.unwrap() && one.ratio.unwrap() < high);
-        // Between the neighbours of the backbone.
         let above = summary
             .backbone
             .iter()
             .position(|p| p.response_displacement.unwrap() >= one.amplitude_m)
             .unwrap();
-        let ends = [above.saturating_sub(1), above].map(|place| summary.backbone[place].damping_ratio.unwrap());
+        let neighbours = [above.saturating_sub(1), above].map(|place| &summary.backbone[place]);
+        // Between computed amplitudes no more is added than the frequency falls by from one to the other.
+        let [before, after] = neighbours.map(|point| point.frequency_hz.unwrap());
+        let fall = 0.5 * (before - after) / one.frequency_hz;
+        assert!(width <= 1.000_001 * (largest + fall) && width > 0.0);
+        let [low, high] = one.interval.unwrap();
+        assert!(low < one.ratio.unwrap() && one.ratio.unwrap() < high);
+        let ends = neighbours.map(|point| point.damping_ratio.unwrap());
         assert!(ends[0] <= one.ratio.unwrap() && one.ratio.unwrap() <= ends[1]);
     }
     assert!(answer.onset_amplitude_m.unwrap() > 2e-5);
