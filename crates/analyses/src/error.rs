@@ -140,7 +140,7 @@ pub enum Error {
     /// The mode does not move the response point, so amplitudes there say nothing about it.
     #[error(
         "mode {mode} ({frequency:.2} Hz) hardly moves the response point in its direction ({participation:.1e} of a rigid \
-         motion's share); follow another mode"
+         motion's share); choose a response point or direction that moves in it, or follow another mode"
     )]
     NoResponse {
         /// Mode, counted from 1.

@@ -776,6 +776,7 @@ fn are_finite(values: &[f64]) -> bool {
 
 /// Points of one law whose histories are one block `[component][point]`.
 struct Tile<'a> {
+    /// Its own number.
     number: usize,
     /// Number of the law.
     index: usize,

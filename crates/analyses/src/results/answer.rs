@@ -204,26 +204,27 @@ struct Answered {
 /// Least and largest number at `at` between two of some computed places, `below` and `above`. The power through both is one bound. A curve that bends
 /// one way lies between it and the nearer of the powers through either and the next one beyond; one that bends both ways lies between these two.
 fn allowed(at: f64, [below, above]: [usize; 2], known: &[(f64, f64)]) -> [f64; 2] {
-    let chord = |from: usize, to: usize| between(at, [known[from].0, known[to].0], [known[from].1, known[to].1]);
-    let own = chord(below, above);
+    let own = between(at, [known[below].0, known[above].0], [known[below].1, known[above].1]);
     if below == above {
         return [own; 2];
     }
-    let before = below.checked_sub(1).map(|first| beyond(at, known[first], known[below]));
-    let after = known.get(above + 1).map(|next| beyond(at, known[above], *next));
-    let mut beyond: Vec<f64> = before
+    let before = below
+        .checked_sub(1)
+        .map(|first| extended(at, known[first], known[below]));
+    let after = known.get(above + 1).map(|next| extended(at, known[above], *next));
+    let mut others: Vec<f64> = before
         .into_iter()
         .chain(after)
         .filter(|number| number.is_finite())
         .collect();
-    beyond.sort_by(f64::total_cmp);
-    let least = beyond.iter().rfind(|number| **number < own);
-    let most = beyond.iter().find(|number| **number > own);
+    others.sort_by(f64::total_cmp);
+    let least = others.iter().rfind(|number| **number < own);
+    let most = others.iter().find(|number| **number > own);
     [*least.unwrap_or(&own), *most.unwrap_or(&own)]
 }
 
 /// The power through two places, at a third.
-fn beyond(at: f64, (from, low): (f64, f64), (to, high): (f64, f64)) -> f64 {
+fn extended(at: f64, (from, low): (f64, f64), (to, high): (f64, f64)) -> f64 {
     low * (at / from).powf((high / low).ln() / (to / from).ln())
 }
 

@@ -83,6 +83,45 @@ fn many_amplitudes_are_answered_at_powers_of_ten() {
     assert_eq!(answer.onset_amplitude_m, Some(first.amplitude_m));
 }
 
+/// Of two neighbours of 100 um the damping of one alone is known; and a loop between them did not close.
+#[test]
+fn a_damping_that_one_neighbour_alone_has_is_answered_there() {
+    let mut given = slider("answer-neighbour", &Value::Null);
+    given["analyses"]["backbone"]["amplitudes"] = json!(12);
+    given["analyses"]["backbone"]["amplitude_from"] = json!("5 um");
+    given["analyses"]["backbone"]["amplitude_to"] = json!("2 mm");
+    let mut summary = summary(&given);
+    let all: Vec<f64> = summary
+        .backbone
+        .iter()
+        .map(|point| point.response_displacement.unwrap())
+        .collect();
+    let above = all.iter().position(|amplitude| *amplitude > 1e-4).unwrap();
+    for point in &mut summary.backbone {
+        (point.damping_ratio, point.friction_damping_ratio) = (None, None);
+    }
+    let known = &mut summary.backbone[above];
+    (known.damping_ratio, known.friction_damping_ratio) = (Some(0.01), Some(0.01));
+    let nearer = if all[above] * all[above - 1] < 1e-8 {
+        above
+    } else {
+        above - 1
+    };
+    let answer = &summary.answers()[0];
+    let last = answer.damping.last().unwrap();
+    assert_eq!(last.amplitude_m, all[nearer]);
+    assert_eq!(last.ratio, summary.backbone[nearer].damping_ratio);
+
+    summary.backbone[above].closed = Some(false);
+    let told = summary.answers()[0].clone();
+    assert_eq!(told.verdict, Verdict::WithCare);
+    assert!(
+        told.reason.contains("1 of 12 loops did not close within"),
+        "{}",
+        told.reason
+    );
+}
+
 #[test]
 fn bands_are_those_of_the_samples() {
     let given = slider(

@@ -23,7 +23,8 @@ pub(crate) trait FrictionRule: Copy {
     const CURVATURE: bool;
 
     /// Traction that sticking would leave along one direction, from the path and the tangential stiffness
-    /// (Pa/m, with derivatives with respect to the interference at which it is taken).
+    /// (Pa/m, with derivatives with respect to the interference at which it is taken). For rules with [`Memory::Traction`] it is what is remembered
+    /// and a part that is linear in the stiffness and its derivatives.
     fn trial(self, path: Path, k: Jet) -> Trial;
 
     /// Change of the trial's traction along a direction, from the changes of the path and of the tangential stiffness.
