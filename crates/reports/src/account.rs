@@ -51,15 +51,15 @@ fn shortcomings(out: &mut String, summary: &Summary) {
             "{failed} of {all} amplitudes DID NOT CONVERGE; their results are missing"
         );
     }
-    let open = summary.backbone.iter().filter(|b| b.closed == Some(false)).count();
-    if open > 0 {
-        let loops = if open == 1 { "loop" } else { "loops" };
-        let at = summary.backbone.iter().filter(|b| b.closed == Some(false));
-        let at: Vec<String> = at.filter_map(|b| b.response_displacement).map(length).collect();
+    let open = summary.backbone.iter().filter(|b| b.closed == Some(false));
+    let at: Vec<String> = open.filter_map(|b| b.response_displacement).map(length).collect();
+    if !at.is_empty() {
+        let loops = if at.len() == 1 { "loop" } else { "loops" };
         let _ = writeln!(
             out,
-            "{open} {loops} did not close within the cycles allowed, at {}: their damping still changes from cycle to cycle; see cycles and \
+            "{} {loops} did not close within the cycles allowed, at {}: their damping still changes from cycle to cycle; see cycles and \
              damping_floor in {SUMMARY}",
+            at.len(),
             at.join(", ")
         );
     }

@@ -2,7 +2,6 @@
 //! limits the result and whether it can be relied on.
 
 use super::amplitudes::{BackboneSummary, Status};
-use super::trends;
 use crate::dials::{Dial, DialError};
 use crate::error_bar::ErrorBar;
 use crate::uncertainty::{Band, Spread};
@@ -181,14 +180,11 @@ fn amplitudes(backbone: &[BackboneSummary]) -> Vec<f64> {
     }
 }
 
-/// Interpolates logarithms of positive numbers in the logarithm of the amplitude.
-fn between(at: f64, [from, to]: [f64; 2], values: [f64; 2]) -> f64 {
+/// The power through two positive numbers, `values`, at two amplitudes.
+fn power(at: f64, [from, to]: [f64; 2], values: [f64; 2]) -> f64 {
     match values[0] == values[1] || from == to {
         true => values[0],
-        false => {
-            let [low, high] = values.map(f64::ln);
-            trends::at(&[(from, low), (to, high)], at).map_or(values[0], f64::exp)
-        }
+        false => values[0] * (at / from).powf((values[1] / values[0]).ln() / (to / from).ln()),
     }
 }
 
@@ -201,31 +197,26 @@ struct Answered {
     interpolated: f64,
 }
 
-/// Least and largest number at `at` between two of some computed places, `below` and `above`. The power through both is one bound. A curve that bends
-/// one way lies between it and the nearer of the powers through either and the next one beyond; one that bends both ways lies between these two.
-fn allowed(at: f64, [below, above]: [usize; 2], known: &[(f64, f64)]) -> [f64; 2] {
-    let own = between(at, [known[below].0, known[above].0], [known[below].1, known[above].1]);
+/// The number at an amplitude between two computed ones, `below` and `above`, by the power through both, after the least and before the largest that the
+/// ones beside them allow: a curve that bends one way lies between this power and the nearer of those through either and the next one beyond, one that
+/// bends both ways between these two. `known` gives amplitude and number of a place.
+fn interpolated(at: f64, [below, above]: [usize; 2], known: &dyn Fn(usize) -> Option<(f64, f64)>) -> Option<[f64; 3]> {
+    let through = |from: usize, to: usize| {
+        let ((from, low), (to, high)) = (known(from)?, known(to)?);
+        Some(power(at, [from, to], [low, high]))
+    };
+    let own = through(below, above)?;
     if below == above {
-        return [own; 2];
+        return Some([own; 3]);
     }
-    let before = below
-        .checked_sub(1)
-        .map(|first| extended(at, known[first], known[below]));
-    let after = known.get(above + 1).map(|next| extended(at, known[above], *next));
-    let mut others: Vec<f64> = before
-        .into_iter()
-        .chain(after)
-        .filter(|number| number.is_finite())
-        .collect();
-    others.sort_by(f64::total_cmp);
-    let least = others.iter().rfind(|number| **number < own);
-    let most = others.iter().find(|number| **number > own);
-    [*least.unwrap_or(&own), *most.unwrap_or(&own)]
-}
-
-/// The power through two places, at a third.
-fn extended(at: f64, (from, low): (f64, f64), (to, high): (f64, f64)) -> f64 {
-    low * (at / from).powf((high / low).ln() / (to / from).ln())
+    let beside = [
+        below.checked_sub(1).and_then(|before| through(before, below)),
+        through(above, above + 1),
+    ];
+    let beside = beside.into_iter().flatten().filter(|number| number.is_finite());
+    let least = beside.clone().filter(|number| *number < own).reduce(f64::max);
+    let most = beside.filter(|number| *number > own).reduce(f64::min);
+    Some([least.unwrap_or(own), own, most.unwrap_or(own)])
 }
 
 /// The answer at an amplitude within the backbone.
@@ -251,62 +242,42 @@ fn at(
         places = [places[nearer]; 2];
         amplitude = known[places[nearer]].0;
     }
-    let pair = places.map(|place| &known[place]);
-    let (ends, points) = (pair.map(|(at, _)| *at), pair.map(|(_, point)| *point));
     let of = |value: &dyn Fn(&BackboneSummary) -> Option<f64>| {
-        let [low, high] = points.map(value);
-        Some([low?, high?])
+        interpolated(amplitude, places, &|place| {
+            let (at, point) = known.get(place)?;
+            Some((*at, value(point)?))
+        })
     };
     // The larger error of the two, as neither may stand for the other.
-    let larger =
-        |which: &dyn Fn(DialError) -> Option<f64>| of(&|point| which(error(point))).map(|[low, high]| low.max(high));
-    let frequency_hz = between(amplitude, ends, of(&|point| point.frequency_hz)?);
-    let ratio = of(&|point| point.damping_ratio).map(|ratios| between(amplitude, ends, ratios));
-    let friction = of(&|point| point.friction_damping_ratio).map(|ratios| between(amplitude, ends, ratios));
+    let larger = |which: &dyn Fn(DialError) -> Option<f64>| {
+        let [low, high] = places.map(|place| which(error(known[place].1)));
+        Some(low?.max(high?))
+    };
     let numerical = DialError {
         frequency_relative: larger(&|error| error.frequency_relative),
         damping_ln: larger(&|error| error.damping_ln),
     };
-    // Those beside the two as far as they have the number as well.
-    let allowed_of = |value: &dyn Fn(&BackboneSummary) -> Option<f64>| {
-        let first = (0..=places[0])
-            .rev()
-            .take_while(|place| value(known[*place].1).is_some());
-        let first = first.last()?;
-        let values = known[first..]
-            .iter()
-            .map_while(|(at, point)| Some((*at, value(point)?)));
-        let values: Vec<(f64, f64)> = values.collect();
-        let places = places.map(|place| place - first);
-        (places[1] < values.len()).then(|| allowed(amplitude, places, &values))
-    };
-    let frequencies = allowed_of(&|point| point.frequency_hz);
-    let frequency_interval_hz = || {
-        let (error, [low, high]) = (numerical.frequency_relative?, frequencies?);
-        Some([low * (1.0 - error), high * (1.0 + error)])
-    };
-    let frictions = allowed_of(&|point| point.friction_damping_ratio);
+    let [least_hz, frequency_hz, most_hz] = of(&|point| point.frequency_hz)?;
+    let ratio = of(&|point| point.damping_ratio).map(|[_, ratio, _]| ratio);
+    let friction = of(&|point| point.friction_damping_ratio);
     let interval = || {
-        let (ratio, friction, error) = (ratio?, friction?, numerical.damping_ln?);
-        let (others, [low, high]) = (ratio - friction, frictions?);
-        Some([low * (-error).exp() + others, high * error.exp() + others])
-    };
-    let interpolated = || {
-        let ([low, high], friction) = (frictions?, friction?);
-        Some((friction / low).ln().max((high / friction).ln()))
+        let (ratio, [least, friction, most], error) = (ratio?, friction?, numerical.damping_ln?);
+        let others = ratio - friction;
+        Some([least * (-error).exp() + others, most * error.exp() + others])
     };
     Some(Answered {
         at: AtAmplitude {
             amplitude_m: amplitude,
             frequency_hz,
-            frequency_interval_hz: frequency_interval_hz(),
+            frequency_interval_hz: (numerical.frequency_relative)
+                .map(|error| [least_hz * (1.0 - error), most_hz * (1.0 + error)]),
             frequency_band_hz: band(amplitude, bands, &|band| edges(&band.frequency_hz)),
             ratio,
             interval: interval(),
             band: band(amplitude, bands, &|band| edges(&band.damping_ratio)),
         },
         numerical,
-        interpolated: interpolated().unwrap_or_default(),
+        interpolated: friction.map_or(0.0, |[least, own, most]| (own / least).max(most / own).ln()),
     })
 }
 
@@ -319,7 +290,7 @@ fn band(amplitude: f64, bands: &[Band], of: &dyn Fn(&Band) -> Option<[f64; 2]>) 
     let ends = [below, above].map(|place| known[place].response_displacement);
     let (low, high) = (of(known[below])?, of(known[above])?);
     let edge =
-        |edge: usize| (low[edge] > 0.0 && high[edge] > 0.0).then(|| between(amplitude, ends, [low[edge], high[edge]]));
+        |edge: usize| (low[edge] > 0.0 && high[edge] > 0.0).then(|| power(amplitude, ends, [low[edge], high[edge]]));
     Some([edge(0)?, edge(1)?])
 }
 
@@ -479,9 +450,9 @@ mod tests {
     #[test]
     fn numbers_between_amplitudes_are_powers_of_them() {
         let at = |x: f64| 3.0 * x.powf(0.7);
-        let found = between(2e-6, [1e-6, 1e-5], [at(1e-6), at(1e-5)]);
+        let found = power(2e-6, [1e-6, 1e-5], [at(1e-6), at(1e-5)]);
         assert!((found / at(2e-6) - 1.0).abs() < 1e-12);
-        assert_eq!(between(1e-6, [1e-6, 1e-6], [3.0, 3.0]), 3.0);
+        assert_eq!(power(1e-6, [1e-6, 1e-6], [3.0, 3.0]), 3.0);
     }
 
     #[test]
@@ -490,15 +461,18 @@ mod tests {
         let bent = |x: f64| 2e-6 * (x / 3e-6).max(1.0).powi(3);
         let known = [1e-6, 2e-6, 8e-6, 2e-5].map(|x| (x, bent(x)));
         for at in [2.5e-6, 3e-6, 4e-6, 6e-6] {
-            let [least, most] = allowed(at, [1, 2], &known);
+            let [least, _, most] = interpolated(at, [1, 2], &|place| known.get(place).copied()).unwrap();
             assert!(
                 least * (1.0 - 1e-12) <= bent(at) && bent(at) <= most * (1.0 + 1e-12),
                 "{at}: {least} {most}"
             );
         }
         let straight = known.map(|(x, _)| (x, 3.0 * x.powf(0.7)));
-        let [least, most] = allowed(4e-6, [1, 2], &straight);
+        let [least, _, most] = interpolated(4e-6, [1, 2], &|place| straight.get(place).copied()).unwrap();
         assert!(most / least - 1.0 < 1e-12);
-        assert_eq!(allowed(2e-6, [1, 1], &known), [bent(2e-6); 2]);
+        assert_eq!(
+            interpolated(2e-6, [1, 1], &|place| known.get(place).copied()),
+            Some([bent(2e-6); 3])
+        );
     }
 }

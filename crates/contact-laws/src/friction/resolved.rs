@@ -710,7 +710,7 @@ impl ResolvedLaw {
                         sums.add(density, bin, &workspace.regime, entries);
                     }
                     AsperityFriction::Annuli(history, _) => {
-                        of_bin.begin(&Lanes([0.0; B]));
+                        *of_bin = Response::of(Lanes([0.0; B]));
                         for (k, &[limit, stiffness]) in self.shares.iter().enumerate() {
                             run(Share {
                                 limit,
@@ -1495,17 +1495,12 @@ struct Response<const B: usize> {
 }
 
 impl<const B: usize> Response<B> {
-    fn new() -> Self {
-        let zero = Lanes([0.0; B]);
+    /// All numbers are `number`.
+    fn of(number: Lanes<f64, B>) -> Self {
         Self {
-            traction: [zero; 3],
-            tangent: [zero; 9],
+            traction: [number; 3],
+            tangent: [number; 9],
         }
-    }
-
-    fn begin(&mut self, with: &Lanes<f64, B>) {
-        self.traction = [*with; 3];
-        self.tangent = [*with; 9];
     }
 
     /// Adds what an annulus answers, of the tangent some entries.
@@ -1539,7 +1534,7 @@ struct Sums<const B: usize> {
 impl<const B: usize> Sums<B> {
     /// Nothing is in contact yet; `fill` is NaN where the input is no number.
     fn begin(&mut self, fill: &Lanes<f64, B>) {
-        self.response.begin(fill);
+        self.response = Response::of(*fill);
         self.regimes.0 = [0; B];
     }
 
@@ -1594,14 +1589,14 @@ impl<const B: usize> Scratch<B> {
             of_annulus: CurveBlock::new(),
             workspace: Workspace::new(),
             box_workspace: (cone == Cone::Box).then(BoxWorkspace::new),
-            bin: Response::new(),
-            of_bin: Response::new(),
+            bin: Response::of(zero),
+            of_bin: Response::of(zero),
             sliders: Sliders {
                 before: [[0.0; 2]; MAX_RADII],
                 after: [[0.0; 2]; MAX_RADII],
             },
             sums: Sums {
-                response: Response::new(),
+                response: Response::of(zero),
                 regimes: Lanes([0; B]),
             },
         }

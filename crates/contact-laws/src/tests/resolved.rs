@@ -759,6 +759,20 @@ fn all_from(law: &ResolvedLaw, sticking: Sticking, jump: &[Vec<f64>; 3], begin: 
     let n = jump[0].len();
     // What stands there before must not matter.
     let mut end = vec![f64::NAN; begin.data.len()];
+    let mut found = all_into(law, sticking, jump, begin, StateViewMut::new(&mut end, n, 0));
+    found.extend(end.chunks(n).map(<[f64]>::to_vec));
+    found
+}
+
+/// Traction and tangent of points, whose memory goes to `end`.
+fn all_into(
+    law: &ResolvedLaw,
+    sticking: Sticking,
+    jump: &[Vec<f64>; 3],
+    begin: StateView<'_>,
+    end: StateViewMut<'_>,
+) -> Vec<Vec<f64>> {
+    let n = jump[0].len();
     let mut found = vec![vec![0.0; n]; 12];
     let mut lists = found.iter_mut();
     let [x, y, z, tangent @ ..]: [&mut [f64]; 12] = core::array::from_fn(|_| lists.next().unwrap().as_mut_slice());
@@ -767,12 +781,11 @@ fn all_from(law: &ResolvedLaw, sticking: Sticking, jump: &[Vec<f64>; 3], begin: 
         sticking,
         Components::new(&jump[0], &jump[1], &jump[2]),
         begin,
-        StateViewMut::new(&mut end, n, 0),
+        end,
         ComponentsMut::new(x, y, z),
         Some(TangentMut::from_entries(tangent)),
         None,
     );
-    found.extend(end.chunks(n).map(<[f64]>::to_vec));
     found
 }
 
@@ -846,22 +859,13 @@ fn zeros_that_are_known_change_no_bit() {
             ];
             let found = all_of(&law, Sticking::Coulomb, &jump, &plain);
             plain = found[12..].concat();
-            let (mut t, at) = ([(); 3].map(|()| vec![0.0; n]), zeros);
-            let [x, y, z] = &mut t;
-            law.evaluate(
-                0..n,
-                Sticking::Coulomb,
-                Components::new(&jump[0], &jump[1], &jump[2]),
-                StateView::new(&known, n, 0).known_finite(true).with_zeros_from(at),
-                StateViewMut::new(&mut room, n, 0).with_zeros_from(&mut room_zeros),
-                ComponentsMut::new(x, y, z),
-                None,
-                None,
-            );
+            let begin = StateView::new(&known, n, 0).known_finite(true).with_zeros_from(zeros);
+            let end = StateViewMut::new(&mut room, n, 0).with_zeros_from(&mut room_zeros);
+            let knowing = all_into(&law, Sticking::Coulomb, &jump, begin, end);
             std::mem::swap(&mut known, &mut room);
             std::mem::swap(&mut zeros, &mut room_zeros);
             assert_eq!(known, plain, "step {step}");
-            assert_eq!(t[..], found[..3], "step {step}");
+            assert_eq!(knowing, found[..12], "step {step}");
             let first = zeros.min(n_state);
             assert!(known[n * first..].iter().all(|value| *value == 0.0));
             (fewest, most) = (fewest.min(first), most.max(first));
