@@ -2,6 +2,7 @@
 
 use crate::{Error, add_product, dot, product, product_into};
 use faer::{Mat, MatMut, MatRef, unzip, zip};
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// `y = M x` for all columns.
@@ -45,10 +46,14 @@ impl Krylov {
         // The block as it came is basis * along + block * upper.
         let mut along = Mat::<f64>::zeros(size, width);
         let mut upper = Mat::<f64>::identity(width, width);
+        multiply(block.as_ref(), momentum.as_mut());
         for _ in 0..2 {
-            multiply(block.as_ref(), momentum.as_mut());
             let initial: Vec<f64> = (0..block.ncols())
-                .map(|j| dot(block.col_as_slice(j), momentum.col_as_slice(j)).max(0.0).sqrt())
+                .map(|j| {
+                    long_dot(block.col_as_slice(j), momentum.col_as_slice(j))
+                        .max(0.0)
+                        .sqrt()
+                })
                 .collect();
             let coefficients = product(self.basis.transpose(), momentum.as_ref());
             add_product(block.as_mut(), self.basis.as_ref(), coefficients.as_ref(), -1.0);
@@ -89,12 +94,14 @@ impl Krylov {
         Ok((values, vectors, known))
     }
 
-    /// Whether the residuals `|A phi - theta phi|_M` of the leading pairs are below `tolerance * theta`.
+    /// Whether the residuals `|A phi - theta phi|_M` of the leading pairs are below `tolerance * theta`; how many are `wanted` may depend on the
+    /// values found, which are descending.
     ///
     /// # Errors
     /// [`Error::NoConvergence`].
-    pub fn converged(&self, wanted: usize, tolerance: f64) -> Result<bool, Error> {
+    pub fn converged(&self, wanted: impl FnOnce(&[f64]) -> usize, tolerance: f64) -> Result<bool, Error> {
         let (values, vectors, known) = self.ritz()?;
+        let wanted = wanted(&values);
         if known < wanted {
             return Ok(false);
         }
@@ -132,6 +139,14 @@ impl Krylov {
     }
 }
 
+/// The sum of the products of two long lists, in pieces that threads share.
+fn long_dot(a: &[f64], b: &[f64]) -> f64 {
+    const PIECE: usize = 1 << 14;
+    let pieces = a.par_chunks(PIECE).zip(b.par_chunks(PIECE));
+    let sums: Vec<f64> = pieces.map(|(a, b)| dot(a, b)).collect();
+    sums.iter().sum()
+}
+
 /// Modified Gram-Schmidt on the columns of `block` in the mass inner product, with the mass times them alongside.
 ///
 /// Columns left with less than 1e-12 of their `initial` norm are dropped. Returns the coefficients of the old columns
@@ -142,26 +157,27 @@ fn orthonormalise(block: &mut Mat<f64>, momentum: &mut Mat<f64>, initial: &[f64]
     let mut kept = 0;
     for column in 0..width {
         for other in 0..kept {
-            let along = dot(block.col_as_slice(column), momentum.col_as_slice(other));
+            let along = long_dot(block.col_as_slice(column), momentum.col_as_slice(other));
             coefficients[(other, column)] = along;
-            for vectors in [&mut *block, &mut *momentum] {
+            let take_out = |vectors: &mut Mat<f64>| {
                 let (before, from) = vectors.as_mut().split_at_col_mut(column);
                 zip!(from.col_mut(0), before.col(other)).for_each(|unzip!(a, b)| *a -= along * b);
-            }
+            };
+            rayon::join(|| take_out(block), || take_out(momentum));
         }
-        let norm = dot(block.col_as_slice(column), momentum.col_as_slice(column))
-            .max(0.0)
-            .sqrt();
+        let square = long_dot(block.col_as_slice(column), momentum.col_as_slice(column));
+        let norm = square.max(0.0).sqrt();
         // `!(a > b)` also catches NaN.
         if !(norm > 1e-12 * initial[column]) {
             continue;
         }
         coefficients[(kept, column)] = norm;
-        for vectors in [&mut *block, &mut *momentum] {
+        let scale = |vectors: &mut Mat<f64>| {
             for row in 0..n {
                 vectors[(row, kept)] = vectors[(row, column)] / norm;
             }
-        }
+        };
+        rayon::join(|| scale(block), || scale(momentum));
         kept += 1;
     }
     block.truncate(n, kept);

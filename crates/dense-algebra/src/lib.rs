@@ -201,6 +201,14 @@ pub fn add_product_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f
     tiles::add_lower(c, a, b, factor);
 }
 
+/// Copies the lower triangle to the upper one.
+///
+/// # Panics
+/// If the matrix is not square.
+pub fn mirror_lower(matrix: MatMut<'_, f64>) {
+    tiles::mirror_lower(matrix);
+}
+
 /// Solves `a x = b` by LU with partial pivoting; `None` if the matrix is numerically singular. Overwrites `a`.
 ///
 /// # Panics

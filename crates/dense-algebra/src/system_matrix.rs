@@ -316,7 +316,7 @@ fn lowest_pairs_of_inverse(
     loop {
         let momenta = krylov.append(&multiply, block);
         let width = momenta.ncols();
-        if width == 0 || krylov.converged(count, SETTLED)? {
+        if width == 0 || krylov.converged(|_| count, SETTLED)? {
             break;
         }
         if krylov.size() >= MOST_VECTORS {

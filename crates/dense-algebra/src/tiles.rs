@@ -6,17 +6,36 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self as triangular_product, BlockStructure};
 use faer::linalg::triangular_solve as triangular;
 use faer::reborrow::ReborrowMut;
-use faer::{Accum, MatMut, MatRef, Par};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
-/// Columns or rows of a tile.
+/// Columns or rows of a tile, at least.
 pub(crate) const TILE: usize = 128;
+
+/// Columns of a tile of so many: each tile packs the other factor anew, which costs the less the wider it is, as long as there are enough to share.
+fn width_of_tile(columns: usize) -> usize {
+    (columns / 8).next_multiple_of(TILE / 2).clamp(TILE, 4 * TILE)
+}
 
 /// Steps of a factorisation or a triangular solve that come one after another.
 pub(crate) const PANEL: usize = 256;
 
 /// Multiplications that are worth a tile.
 const WORTH: usize = 1 << 21;
+
+/// Numbers, read once from memory, that are worth a tile.
+const WORTH_READING: usize = 1 << 16;
+
+/// Pieces of a sum that is long.
+const PIECES: usize = 16;
+
+/// Rows of a product so few that reading the other factor takes longer than multiplying.
+const FEW: usize = 64;
+
+/// Rows of a factor that is read against its order are taken so many at once, each over so many columns of it: as many streams as are
+/// fetched ahead.
+const STREAMS: usize = 16;
+const STREAM: usize = 1024;
 
 /// Whether `multiplications` are too few to share.
 fn is_small(multiplications: usize) -> bool {
@@ -25,13 +44,21 @@ fn is_small(multiplications: usize) -> bool {
 
 /// `c = a b` or `c += factor a b`.
 pub(crate) fn product(c: MatMut<'_, f64>, accum: Accum, a: MatRef<'_, f64>, b: MatRef<'_, f64>, factor: f64) {
-    let (rows, columns) = (c.nrows(), c.ncols());
-    assert_eq!((a.nrows(), b.nrows(), b.ncols()), (rows, a.ncols(), columns));
-    let small = is_small(rows * columns * a.ncols());
+    let (rows, inner, columns) = (c.nrows(), a.ncols(), c.ncols());
+    assert_eq!((a.nrows(), b.nrows(), b.ncols()), (rows, inner, columns));
+    if columns <= FEW && c.row_stride().abs() > c.col_stride().abs() {
+        // What is said of few rows below holds for few columns too.
+        return product(c.transpose_mut(), accum, b.transpose(), a.transpose(), factor);
+    }
+    if rows <= FEW && columns > rows {
+        return few_rows(c, accum, a, b, factor);
+    }
+    let small = is_small(rows * columns * inner);
     if !small && columns >= 2 * TILE {
-        let tiles: Vec<_> = c.par_col_chunks_mut(TILE).collect();
+        let width = width_of_tile(columns);
+        let tiles: Vec<_> = c.par_col_chunks_mut(width).collect();
         tiles.into_par_iter().enumerate().for_each(|(at, tile)| {
-            let b = b.subcols(at * TILE, tile.ncols());
+            let b = b.subcols(at * width, tile.ncols());
             matmul(tile, accum, a, b, factor, Par::Seq);
         });
     } else if !small && rows >= 2 * TILE {
@@ -40,8 +67,61 @@ pub(crate) fn product(c: MatMut<'_, f64>, accum: Accum, a: MatRef<'_, f64>, b: M
             let a = a.subrows(at * TILE, tile.nrows());
             matmul(tile, accum, a, b, factor, Par::Seq);
         });
+    } else if !small && inner >= PIECES * 2 * TILE {
+        in_pieces(c, accum, a, b, factor);
     } else {
         matmul(c, accum, a, b, factor, Par::Seq);
+    }
+}
+
+/// [`product`] of long rows and long columns, which threads share.
+fn in_pieces(mut c: MatMut<'_, f64>, accum: Accum, a: MatRef<'_, f64>, b: MatRef<'_, f64>, factor: f64) {
+    let (rows, inner, columns) = (c.nrows(), a.ncols(), c.ncols());
+    let length = inner.div_ceil(PIECES);
+    let piece = |first: usize| {
+        let count = length.min(inner - first);
+        let mut sum = Mat::zeros(rows, columns);
+        let (a, b) = (a.subcols(first, count), b.subrows(first, count));
+        matmul(sum.as_mut(), Accum::Replace, a, b, factor, Par::Seq);
+        sum
+    };
+    let starts: Vec<usize> = (0..inner).step_by(length).collect();
+    let sums: Vec<Mat<f64>> = starts.into_par_iter().map(piece).collect();
+    if matches!(accum, Accum::Replace) {
+        c.fill(0.0);
+    }
+    sums.iter().for_each(|sum| c += sum);
+}
+
+/// [`product`] of which reading `b` takes most of the time.
+fn few_rows(c: MatMut<'_, f64>, accum: Accum, a: MatRef<'_, f64>, b: MatRef<'_, f64>, factor: f64) {
+    let (inner, columns) = (b.nrows(), b.ncols());
+    let against_order = b.row_stride().abs() > b.col_stride().abs();
+    let width = if against_order { STREAM } else { TILE };
+    let tile = |c: MatMut<'_, f64>, b: MatRef<'_, f64>| match against_order {
+        false => matmul(c, accum, a, b, factor, Par::Seq),
+        true => in_streams(c, accum, a, b, factor),
+    };
+    if inner * columns < 2 * WORTH_READING || columns <= width {
+        tile(c, b);
+        return;
+    }
+    let tiles: Vec<_> = c.par_col_chunks_mut(width).collect();
+    tiles.into_par_iter().enumerate().for_each(|(at, c)| {
+        let b = b.subcols(at * width, c.ncols());
+        tile(c, b);
+    });
+}
+
+/// The same on this thread, for a `b` whose rows are contiguous.
+fn in_streams(mut c: MatMut<'_, f64>, accum: Accum, a: MatRef<'_, f64>, b: MatRef<'_, f64>, factor: f64) {
+    let inner = b.nrows();
+    let mut accum = accum;
+    for first in (0..inner.max(1)).step_by(STREAMS) {
+        let count = STREAMS.min(inner - first);
+        let (a, b) = (a.subcols(first, count), b.subrows(first, count));
+        matmul(c.rb_mut(), accum, a, b, factor, Par::Seq);
+        accum = Accum::Add;
     }
 }
 
@@ -61,20 +141,38 @@ pub(crate) fn add_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f6
         diagonal(c, a, b);
         return;
     }
-    let tiles: Vec<_> = c.par_col_chunks_mut(TILE).collect();
+    let width_of_all = width_of_tile(size);
+    let tiles: Vec<_> = c.par_col_chunks_mut(width_of_all).collect();
     // One by one: the first are the longest.
     tiles
         .into_par_iter()
         .enumerate()
         .with_max_len(1)
         .for_each(|(at, tile)| {
-            let (first, width) = (at * TILE, tile.ncols());
+            let (first, width) = (at * width_of_all, tile.ncols());
             let b = b.subcols(first, width);
             let (own, below) = tile.split_at_row_mut(first).1.split_at_row_mut(width);
             diagonal(own, a.subrows(first, width), b);
             let a = a.subrows(first + width, size - first - width);
             matmul(below, Accum::Add, a, b, factor, Par::Seq);
         });
+}
+
+/// Copies the lower triangle to the upper one, in squares that fit into the fastest memory.
+pub(crate) fn mirror_lower(mut matrix: MatMut<'_, f64>) {
+    const SQUARE: usize = 32;
+    let size = matrix.nrows();
+    assert_eq!(matrix.ncols(), size);
+    for first in (0..size).step_by(SQUARE) {
+        let own = first..size.min(first + SQUARE);
+        for above in (0..=first).step_by(SQUARE) {
+            for column in own.clone() {
+                for row in above..(above + SQUARE).min(column) {
+                    matrix[(row, column)] = matrix[(column, row)];
+                }
+            }
+        }
+    }
 }
 
 /// `x = L^-1 x` or, `transposed`, `x = L^-T x`.

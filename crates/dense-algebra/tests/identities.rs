@@ -1,9 +1,9 @@
 //! Factors and eigenpairs against the equations that define them, at sizes on both sides of the block thresholds.
 
 use dense_algebra::{
-    Error, ReflectedInverse, Reflection, Symmetric, add_product_lower, cholesky, cholesky_in_place, congruent,
-    lowest_pairs, product, rank, semidefinite_factor, solve_general, solve_lower, solve_lower_transposed,
-    symmetric_eigen, symmetric_eigenvalues, symmetric_pair,
+    Error, ReflectedInverse, Reflection, Symmetric, add_product, add_product_lower, cholesky, cholesky_in_place,
+    congruent, lowest_pairs, mirror_lower, product, rank, semidefinite_factor, solve_general, solve_lower,
+    solve_lower_transposed, symmetric_eigen, symmetric_eigenvalues, symmetric_pair,
 };
 use faer::Mat;
 
@@ -290,6 +290,65 @@ fn what_is_cut_into_tiles_is_what_it_is_in_one_piece() {
             let back: f64 = (0..n).map(|k| a[(i, k)] * column[k]).sum();
             assert!((back - unit[i]).abs() < 1e-13, "{i} {j}");
         }
+    }
+}
+
+/// Few rows, few columns and long sums, with factors stored by columns and by rows, as they are and transposed.
+fn slender_products() -> Vec<Mat<f64>> {
+    let sizes = [
+        (8, 300, 2600),
+        (24, 256, 3000),
+        (3, 40, 1100),
+        (2600, 300, 8),
+        (90, 70_000, 8),
+        (8, 70_000, 8),
+        (7, 0, 1500),
+    ];
+    let mut found = Vec::new();
+    for (rows, inner, columns) in sizes {
+        let a = Mat::from_fn(rows, inner, |i, k| ((i * 7 + k * 3) % 17) as f64 - 8.0);
+        let b = Mat::from_fn(inner, columns, |k, j| ((k * 5 + j * 11) % 13) as f64 - 6.0);
+        let (a_by_rows, b_by_rows) = (a.transpose().to_owned(), b.transpose().to_owned());
+        for a in [a.as_ref(), a_by_rows.transpose()] {
+            for b in [b.as_ref(), b_by_rows.transpose()] {
+                let mut c = product(a, b);
+                add_product(c.as_mut(), a, b, 2.0);
+                let mut by_rows = Mat::from_fn(columns, rows, |_, _| 1.0);
+                add_product(by_rows.as_mut().transpose_mut(), a, b, 1.0);
+                found.extend([c, by_rows]);
+            }
+        }
+        // Sums of whole numbers have no round-off.
+        let at = |i: usize, j: usize| -> f64 { (0..inner).map(|k| a[(i, k)] * b[(k, j)]).sum() };
+        for pair in found[found.len() - 8..].chunks(2) {
+            for (i, j) in [(0, 0), (rows - 1, columns - 1), (rows / 2, columns / 3), (rows - 1, 0)] {
+                assert_eq!(
+                    (pair[0][(i, j)], pair[1][(j, i)]),
+                    (3.0 * at(i, j), 1.0 + at(i, j)),
+                    "{rows} {inner} {columns}"
+                );
+            }
+            assert_eq!(pair[0], found[found.len() - 8]);
+            assert_eq!(pair[1], found[found.len() - 7]);
+        }
+    }
+    found
+}
+
+#[test]
+fn products_of_few_rows_or_columns_are_those_of_any_size() {
+    let here = slender_products();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    assert!(pool.install(slender_products) == here);
+}
+
+#[test]
+fn the_lower_triangle_is_copied_to_the_upper_one() {
+    for n in [0, 1, 31, 32, 33, 100] {
+        let value = |i: usize, j: usize| (i * 1000 + j) as f64;
+        let mut a = Mat::from_fn(n, n, |i, j| if i < j { f64::NAN } else { value(i, j) });
+        mirror_lower(a.as_mut());
+        assert_eq!(a, Mat::from_fn(n, n, |i, j| value(i.max(j), i.min(j))));
     }
 }
 

@@ -156,7 +156,7 @@ fn subspace(
     // Room for the usual six rigid motions and a few mechanisms; more, if more turn up.
     let mut wanted = (n_elastic + 8).min(n);
     let (eigenvalues, shapes, n_zero, vectors) = loop {
-        let (vectors, basis) = krylov_basis(mass, factor, wanted, least, tolerance, limits)?;
+        let (vectors, basis) = krylov_basis(mass, (factor, sigma), (wanted, n_elastic), least, tolerance, limits)?;
         let (eigenvalues, shapes) = rayleigh_ritz(stiffness, mass, basis.as_ref())?;
         let n_zero = count_zero(&eigenvalues, ENERGY * sigma);
         if n_zero + n_elastic <= eigenvalues.len() || wanted == n {
@@ -269,11 +269,12 @@ fn krylov_limit(wanted: usize, least: usize, n: usize) -> usize {
     (6 * wanted + 60).max(least).min(n)
 }
 
-/// Approximations of the `wanted` lowest modes, and the size of the subspace they come from, `least` vectors if there are so many.
+/// Approximations of the `wanted` lowest modes, and the size of the subspace they come from, `least` vectors if there are so many. Those without energy and
+/// `n_elastic` of the others are found to the `tolerance`.
 fn krylov_basis(
     mass: &CsMat<f64>,
-    factor: &SparseCholesky,
-    wanted: usize,
+    (factor, sigma): (&SparseCholesky, f64),
+    (wanted, n_elastic): (usize, usize),
     least: usize,
     tolerance: f64,
     limits: Limits<'_>,
@@ -281,6 +282,8 @@ fn krylov_basis(
     let n = mass.rows();
     let limit = krylov_limit(wanted, least, n);
     let multiply = |x: MatRef<'_, f64>, y: MatMut<'_, f64>| multiply_into(mass, x, y);
+    let is_zero = |theta: &&f64| 1.0 / **theta < (1.0 + ENERGY) * sigma;
+    let needed = |values: &[f64]| (values.iter().take_while(is_zero).count() + n_elastic).min(wanted);
     let mut krylov = Krylov::new(n, limit);
     let mut block = dense_algebra::scattered(n, BLOCK.min(n));
     loop {
@@ -289,7 +292,7 @@ fn krylov_basis(
         }
         block = krylov.append(&multiply, block);
         // The true residual weighs the stiffest components most, the Ritz residual the softest: demand more of it.
-        let done = krylov.size() >= least.max(2 * wanted) && krylov.converged(wanted, 1e-3 * tolerance)?;
+        let done = krylov.size() >= least.max(2 * wanted) && krylov.converged(needed, 1e-3 * tolerance)?;
         if done || krylov.size() >= limit || block.ncols() == 0 {
             break;
         }

@@ -13,7 +13,7 @@ use crate::groups::{Completed, Grouping, Groups, joined};
 use crate::ordering::{Dissection, Part, nested_dissection};
 use crate::sparse::{entries, from_unsorted_rows, sum};
 use dense_algebra::{
-    Limits, SystemMatrix, add_product, add_product_lower, cholesky_in_place, product_into, solve_lower,
+    Limits, SystemMatrix, add_product, add_product_lower, cholesky_in_place, mirror_lower, product_into, solve_lower,
     solve_lower_transposed,
 };
 use faer::reborrow::{Reborrow, ReborrowMut};
@@ -25,6 +25,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Right-hand sides solved together: wide enough to run at the speed of dense products, small enough to stay in cache.
 pub const BLOCK: usize = 64;
+
+/// Numbers of a vector register.
+const LANES: usize = 8;
 
 /// Columns of the factor that are stored together: what stands above the diagonal of a wider front would be stored as zeros.
 const PANEL: usize = 256;
@@ -101,9 +104,10 @@ impl Piece {
         Mat::zeros(width, longest.unwrap_or(0))
     }
 
-    /// The rows of `rhs` at the own positions, and zeros outside.
+    /// The rows of `rhs` at the own positions, and zeros outside; as many lanes as fill vector registers, others take several times as long.
     fn gather(&self, rhs: MatRef<'_, f64>) -> Mat<f64> {
-        let mut x = Mat::zeros(rhs.ncols(), self.rows.len() + self.outside.len());
+        let lanes = rhs.ncols().next_multiple_of(LANES);
+        let mut x = Mat::zeros(lanes, self.rows.len() + self.outside.len());
         for (position, &row) in self.rows.iter().enumerate() {
             for lane in 0..rhs.ncols() {
                 x[(lane, position)] = rhs[(row, lane)];
@@ -114,7 +118,7 @@ impl Piece {
 
     fn scatter(&self, x: MatRef<'_, f64>, mut rhs: MatMut<'_, f64>) {
         for (position, &row) in self.rows.iter().enumerate() {
-            for lane in 0..x.nrows() {
+            for lane in 0..rhs.ncols() {
                 rhs[(row, lane)] = x[(lane, position)];
             }
         }
@@ -220,7 +224,7 @@ impl SparseCholesky {
         }
         let [stiffness, mass] = [0, 1].map(|which| {
             let mut own = elimination.assemble(which, &rows, &[], left.as_mut_slice()).own;
-            mirror(&mut own);
+            mirror_lower(own.as_mut());
             SystemMatrix::Dense(own)
         });
         Ok((factor, Condensed { stiffness, mass }))
@@ -572,7 +576,7 @@ impl Elimination {
         let mut matrices = vec![update];
         if self.matrices.len() > 1 {
             let mut mass = self.assemble(1, &rows, &beyond, &mut children);
-            mirror(&mut mass.own);
+            mirror_lower(mass.own.as_mut());
             // The rows follow those beyond by follow^T: their momentum, and that of the rows beyond, is felt there.
             let mut follow = below.clone();
             solve_lower_transposed(lower.as_ref(), follow.transpose_mut());
@@ -686,15 +690,6 @@ fn refuse_beyond(needed: u64, matrix: &'static str, limits: Limits<'_>) -> Resul
     match limits.memory() {
         Some(limit) if needed > limit => Err(Error::Memory { matrix, needed, limit }),
         _ => Ok(()),
-    }
-}
-
-/// Copies the lower triangle to the upper one.
-fn mirror(matrix: &mut Mat<f64>) {
-    for j in 0..matrix.ncols() {
-        for i in 0..j {
-            matrix[(i, j)] = matrix[(j, i)];
-        }
     }
 }
 

@@ -23,11 +23,13 @@ pub fn multiply_into(a: &CsMat<f64>, x: MatRef<'_, f64>, y: MatMut<'_, f64>) {
         let width = out.ncols();
         let columns = x.subcols(group * LANES, width);
         let mut packed = vec![[0.0; LANES]; a.cols()];
-        for lane in 0..width {
-            for (slot, value) in packed.iter_mut().zip(columns.col(lane).iter()) {
-                slot[lane] = *value;
+        packed.par_chunks_mut(GROUP).enumerate().for_each(|(part, slots)| {
+            for (row, slot) in (part * GROUP..).zip(slots) {
+                for lane in 0..width {
+                    slot[lane] = columns[(row, lane)];
+                }
             }
-        }
+        });
         let parts = out.par_row_chunks_mut(GROUP).enumerate();
         parts.for_each(|(part, mut out)| {
             for i in 0..out.nrows() {

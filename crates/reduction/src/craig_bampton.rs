@@ -11,7 +11,7 @@ use crate::part_modes::{modes_of_parts, modes_of_rest};
 use crate::relative::RelativeSystem;
 use crate::symmetry::Parts;
 use crate::zem::Supported;
-use dense_algebra::{BlockMatrix, Limits, SystemMatrix, add_product_lower, product};
+use dense_algebra::{BlockMatrix, Limits, SystemMatrix, add_product_lower, mirror_lower, product};
 use faer::{Mat, MatRef};
 use finite_elements::eigen::Modes;
 use finite_elements::factor::Condensed;
@@ -376,11 +376,7 @@ fn sum_over_jump<'a>(parts: impl Iterator<Item = (Mat<f64>, &'a JumpPlaces)>, nd
             }
         }
     }
-    for j in 0..nd {
-        for i in j + 1..nd {
-            whole[(j, i)] = whole[(i, j)];
-        }
-    }
+    mirror_lower(whole.as_mut());
     whole
 }
 

@@ -2,7 +2,7 @@
 
 use super::key::Key;
 use crate::Error;
-use dense_algebra::{BlockMatrix, Node, Symmetric, SystemMatrix, Tree};
+use dense_algebra::{BlockMatrix, Node, Symmetric, SystemMatrix, Tree, mirror_lower};
 use faer::{Mat, MatRef};
 use finite_elements::eigen::Modes;
 use reduction::ReducedModel;
@@ -265,10 +265,10 @@ impl Numbers {
         let mut m = Mat::zeros(n, n);
         for j in 0..n {
             for i in j..n {
-                let value = self.next();
-                (m[(i, j)], m[(j, i)]) = (value, value);
+                m[(i, j)] = self.next();
             }
         }
+        mirror_lower(m.as_mut());
         m
     }
 }
@@ -291,8 +291,10 @@ impl Record {
     }
 
     fn numbers<'a>(&mut self, numbers: impl IntoIterator<Item = &'a f64>) {
-        let bytes = numbers.into_iter().flat_map(|value| value.to_le_bytes());
-        self.bytes.extend(bytes);
+        // Whole numbers, where bytes one by one would take longer than writing the file.
+        for value in numbers {
+            self.bytes.extend_from_slice(&value.to_le_bytes());
+        }
     }
 
     fn matrix(&mut self, matrix: &Mat<f64>) {
@@ -300,6 +302,8 @@ impl Record {
     }
 
     fn lower(&mut self, matrix: MatRef<'_, f64>) {
+        let n = matrix.nrows();
+        self.bytes.reserve_exact(size_of::<f64>() * n * (n + 1) / 2);
         let columns = matrix.col_iter().enumerate();
         self.numbers(columns.flat_map(|(j, column)| column.iter().skip(j)));
     }
