@@ -46,8 +46,8 @@ impl Krylov {
         // The block as it came is basis * along + block * upper.
         let mut along = Mat::<f64>::zeros(size, width);
         let mut upper = Mat::<f64>::identity(width, width);
-        multiply(block.as_ref(), momentum.as_mut());
         for _ in 0..2 {
+            multiply(block.as_ref(), momentum.as_mut());
             let initial: Vec<f64> = (0..block.ncols())
                 .map(|j| {
                     long_dot(block.col_as_slice(j), momentum.col_as_slice(j))

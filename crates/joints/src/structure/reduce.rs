@@ -56,6 +56,9 @@ const REDUCING: f64 = 0.9;
 /// Residual of the modes of structures whose differences are wanted.
 const NEIGHBOUR_TOLERANCE: f64 = 1e-9;
 
+/// What may be left out of the coupling of joints in these structures, relative to what may otherwise: differences enlarge it by the inverse of their step.
+const NEIGHBOUR_COUPLING: f64 = 1e-3;
+
 impl Structure {
     /// The reduced model, from the cache if it holds one for the same inputs.
     ///
@@ -193,6 +196,10 @@ impl Structure {
         let settings = Settings {
             n_modes: model.n_modes(),
             mode_tolerance: NEIGHBOUR_TOLERANCE,
+            coupling_tolerance: self
+                .settings
+                .coupling_tolerance
+                .map(|tolerance| NEIGHBOUR_COUPLING * tolerance),
             ..self.settings
         };
         let stop = || progress.interrupted();
