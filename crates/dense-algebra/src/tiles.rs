@@ -141,15 +141,15 @@ pub(crate) fn add_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f6
         diagonal(c, a, b);
         return;
     }
-    let width_of_all = width_of_tile(size);
-    let tiles: Vec<_> = c.par_col_chunks_mut(width_of_all).collect();
+    let step = width_of_tile(size);
+    let tiles: Vec<_> = c.par_col_chunks_mut(step).collect();
     // One by one: the first are the longest.
     tiles
         .into_par_iter()
         .enumerate()
         .with_max_len(1)
         .for_each(|(at, tile)| {
-            let (first, width) = (at * width_of_all, tile.ncols());
+            let (first, width) = (at * step, tile.ncols());
             let b = b.subcols(first, width);
             let (own, below) = tile.split_at_row_mut(first).1.split_at_row_mut(width);
             diagonal(own, a.subrows(first, width), b);

@@ -146,7 +146,16 @@ fn intervals_of_frequency(answer: &Answer) -> String {
 
 fn onset(answer: &Answer) -> String {
     match answer.onset_amplitude_m {
-        Some(amplitude) => format!("1 % of the contact slips from {} on", length(amplitude)),
+        Some(amplitude) => {
+            let amplitude = length(amplitude);
+            match answer.onset_interval_m {
+                Some(ends) => {
+                    let ends = range_of_lengths(ends);
+                    format!("1 % of the contact slips from {amplitude} on ({ends} by the amplitudes computed)")
+                }
+                None => format!("1 % of the contact slips from the smallest amplitude, {amplitude}, on"),
+            }
+        }
         None if answer.damping.is_empty() => "no amplitudes were asked for".into(),
         None => "less than 1 % of the contact slips as a whole".into(),
     }

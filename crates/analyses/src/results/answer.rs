@@ -43,6 +43,8 @@ pub struct Answer {
     /// Amplitude of the response from which at least 1 % of the area of contact slips as a whole (m), interpolated; the smallest amplitude where
     /// it does so from the beginning, `null` where it does so nowhere.
     pub onset_amplitude_m: Option<f64>,
+    /// Computed amplitudes between which it lies (m); `null` where it is the smallest of them, or there is none.
+    pub onset_interval_m: Option<[f64; 2]>,
     /// Frequency and damping at the amplitudes of a backbone of five or fewer, else at 1, 10 and 100 um, as far as the backbone has them; at the nearer
     /// computed amplitude where the damping of one neighbour alone is above its floor.
     pub damping: Vec<AtAmplitude>,
@@ -137,12 +139,14 @@ pub(super) fn answer(found: &Found<'_>) -> Answer {
         .collect();
     answered.dedup_by(|a, b| a.at.amplitude_m == b.at.amplitude_m);
     let (verdict, reason) = judge(found, linear_error, &answered);
+    let onset = onset(found.backbone);
     Answer {
         mode: found.mode,
         frequency_hz: found.frequency_hz,
         frequency_interval_hz: around(found.frequency_hz, linear_error.frequency_relative),
         frequency_band_hz: found.bands.first().and_then(|band| edges(&band.frequency_hz)),
-        onset_amplitude_m: onset(found.backbone),
+        onset_amplitude_m: onset.map(|(amplitude, _)| amplitude),
+        onset_interval_m: onset.and_then(|(_, between)| between),
         damping: answered.into_iter().map(|answered| answered.at).collect(),
         verdict,
         reason,
@@ -294,7 +298,8 @@ fn band(amplitude: f64, bands: &[Band], of: &dyn Fn(&Band) -> Option<[f64; 2]>) 
     Some([edge(0)?, edge(1)?])
 }
 
-fn onset(backbone: &[BackboneSummary]) -> Option<f64> {
+/// The amplitude from which contact slips, and the computed amplitudes between which it is interpolated.
+fn onset(backbone: &[BackboneSummary]) -> Option<(f64, Option<[f64; 2]>)> {
     let known = backbone
         .iter()
         .filter_map(|point| Some((point.response_displacement?, point.slip_fraction?)));
@@ -302,10 +307,10 @@ fn onset(backbone: &[BackboneSummary]) -> Option<f64> {
     for (amplitude, share) in known {
         if share >= ONSET {
             let Some((from, less)) = before else {
-                return Some(amplitude);
+                return Some((amplitude, None));
             };
             let part = (ONSET - less) / (share - less);
-            return Some(from * (amplitude / from).powf(part));
+            return Some((from * (amplitude / from).powf(part), Some([from, amplitude])));
         }
         before = Some((amplitude, share));
     }

@@ -44,6 +44,8 @@ fn few_amplitudes_are_answered_as_they_are() {
         found <= first.response_displacement.unwrap() && found > 0.4 * onset(),
         "{found}"
     );
+    let [from, to] = answer.onset_interval_m.unwrap();
+    assert!(from < found && found <= to && from < onset() && Some(to) == first.response_displacement);
     // Matrices do not show their mesh.
     assert_eq!(answer.verdict, Verdict::WithCare);
     assert!(
@@ -81,6 +83,7 @@ fn many_amplitudes_are_answered_at_powers_of_ten() {
     }
     // It slips from the beginning.
     assert_eq!(answer.onset_amplitude_m, Some(first.amplitude_m));
+    assert_eq!(answer.onset_interval_m, None);
 }
 
 /// Of two neighbours of 100 um the damping of one alone is known; and a loop between them did not close.

@@ -303,7 +303,7 @@ impl Record {
 
     fn lower(&mut self, matrix: MatRef<'_, f64>) {
         let n = matrix.nrows();
-        self.bytes.reserve_exact(size_of::<f64>() * n * (n + 1) / 2);
+        self.bytes.reserve(size_of::<f64>() * n * (n + 1) / 2);
         let columns = matrix.col_iter().enumerate();
         self.numbers(columns.flat_map(|(j, column)| column.iter().skip(j)));
     }
