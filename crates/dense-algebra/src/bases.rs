@@ -71,7 +71,7 @@ fn add(to: &mut [f64], factor: f64, from: &[f64]) {
 }
 
 /// The sum of the products of two lists, in several sums that the processor adds up at once.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     const SUMS: usize = 16;
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<SUMS>(), b.as_chunks::<SUMS>());
     let mut sums = [0.0; SUMS];

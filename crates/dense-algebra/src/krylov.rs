@@ -1,8 +1,8 @@
 //! Block Lanczos steps in the inner product of a mass, for the lowest pairs of matrices that are solved with.
 
-use crate::{Error, add_product, dot, product, product_into};
+use crate::bases::dot;
+use crate::{Error, add_product, product, product_into};
 use faer::{Mat, MatMut, MatRef, unzip, zip};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// `y = M x` for all columns.
@@ -49,11 +49,7 @@ impl Krylov {
         for _ in 0..2 {
             multiply(block.as_ref(), momentum.as_mut());
             let initial: Vec<f64> = (0..block.ncols())
-                .map(|j| {
-                    long_dot(block.col_as_slice(j), momentum.col_as_slice(j))
-                        .max(0.0)
-                        .sqrt()
-                })
+                .map(|j| dot(block.col_as_slice(j), momentum.col_as_slice(j)).max(0.0).sqrt())
                 .collect();
             let coefficients = product(self.basis.transpose(), momentum.as_ref());
             add_product(block.as_mut(), self.basis.as_ref(), coefficients.as_ref(), -1.0);
@@ -139,14 +135,6 @@ impl Krylov {
     }
 }
 
-/// The sum of the products of two long lists, in pieces that threads share.
-fn long_dot(a: &[f64], b: &[f64]) -> f64 {
-    const PIECE: usize = 1 << 14;
-    let pieces = a.par_chunks(PIECE).zip(b.par_chunks(PIECE));
-    let sums: Vec<f64> = pieces.map(|(a, b)| dot(a, b)).collect();
-    sums.iter().sum()
-}
-
 /// Modified Gram-Schmidt on the columns of `block` in the mass inner product, with the mass times them alongside.
 ///
 /// Columns left with less than 1e-12 of their `initial` norm are dropped. Returns the coefficients of the old columns
@@ -157,7 +145,7 @@ fn orthonormalise(block: &mut Mat<f64>, momentum: &mut Mat<f64>, initial: &[f64]
     let mut kept = 0;
     for column in 0..width {
         for other in 0..kept {
-            let along = long_dot(block.col_as_slice(column), momentum.col_as_slice(other));
+            let along = dot(block.col_as_slice(column), momentum.col_as_slice(other));
             coefficients[(other, column)] = along;
             let take_out = |vectors: &mut Mat<f64>| {
                 let (before, from) = vectors.as_mut().split_at_col_mut(column);
@@ -165,7 +153,7 @@ fn orthonormalise(block: &mut Mat<f64>, momentum: &mut Mat<f64>, initial: &[f64]
             };
             rayon::join(|| take_out(block), || take_out(momentum));
         }
-        let square = long_dot(block.col_as_slice(column), momentum.col_as_slice(column));
+        let square = dot(block.col_as_slice(column), momentum.col_as_slice(column));
         let norm = square.max(0.0).sqrt();
         // `!(a > b)` also catches NaN.
         if !(norm > 1e-12 * initial[column]) {

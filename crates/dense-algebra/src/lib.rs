@@ -205,8 +205,20 @@ pub fn add_product_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f
 ///
 /// # Panics
 /// If the matrix is not square.
-pub fn mirror_lower(matrix: MatMut<'_, f64>) {
-    tiles::mirror_lower(matrix);
+pub fn mirror_lower(mut matrix: MatMut<'_, f64>) {
+    // Squares that fit into the fastest memory.
+    const SQUARE: usize = 32;
+    let size = matrix.nrows();
+    assert_eq!(matrix.ncols(), size);
+    for first in (0..size).step_by(SQUARE) {
+        for above in (0..=first).step_by(SQUARE) {
+            for column in first..size.min(first + SQUARE) {
+                for row in above..(above + SQUARE).min(column) {
+                    matrix[(row, column)] = matrix[(column, row)];
+                }
+            }
+        }
+    }
 }
 
 /// Solves `a x = b` by LU with partial pivoting; `None` if the matrix is numerically singular. Overwrites `a`.

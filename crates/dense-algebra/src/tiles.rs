@@ -114,9 +114,8 @@ fn few_rows(c: MatMut<'_, f64>, accum: Accum, a: MatRef<'_, f64>, b: MatRef<'_, 
 }
 
 /// The same on this thread, for a `b` whose rows are contiguous.
-fn in_streams(mut c: MatMut<'_, f64>, accum: Accum, a: MatRef<'_, f64>, b: MatRef<'_, f64>, factor: f64) {
+fn in_streams(mut c: MatMut<'_, f64>, mut accum: Accum, a: MatRef<'_, f64>, b: MatRef<'_, f64>, factor: f64) {
     let inner = b.nrows();
-    let mut accum = accum;
     for first in (0..inner.max(1)).step_by(STREAMS) {
         let count = STREAMS.min(inner - first);
         let (a, b) = (a.subcols(first, count), b.subrows(first, count));
@@ -156,23 +155,6 @@ pub(crate) fn add_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f6
             let a = a.subrows(first + width, size - first - width);
             matmul(below, Accum::Add, a, b, factor, Par::Seq);
         });
-}
-
-/// Copies the lower triangle to the upper one, in squares that fit into the fastest memory.
-pub(crate) fn mirror_lower(mut matrix: MatMut<'_, f64>) {
-    const SQUARE: usize = 32;
-    let size = matrix.nrows();
-    assert_eq!(matrix.ncols(), size);
-    for first in (0..size).step_by(SQUARE) {
-        let own = first..size.min(first + SQUARE);
-        for above in (0..=first).step_by(SQUARE) {
-            for column in own.clone() {
-                for row in above..(above + SQUARE).min(column) {
-                    matrix[(row, column)] = matrix[(column, row)];
-                }
-            }
-        }
-    }
 }
 
 /// `x = L^-1 x` or, `transposed`, `x = L^-T x`.

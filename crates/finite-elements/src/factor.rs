@@ -11,7 +11,7 @@
 use crate::Error;
 use crate::groups::{Completed, Grouping, Groups, joined};
 use crate::ordering::{Dissection, Part, nested_dissection};
-use crate::sparse::{entries, from_unsorted_rows, sum};
+use crate::sparse::{LANES, entries, from_unsorted_rows, sum};
 use dense_algebra::{
     Limits, SystemMatrix, add_product, add_product_lower, cholesky_in_place, mirror_lower, product_into, solve_lower,
     solve_lower_transposed,
@@ -25,9 +25,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Right-hand sides solved together: wide enough to run at the speed of dense products, small enough to stay in cache.
 pub const BLOCK: usize = 64;
-
-/// Numbers of a vector register.
-const LANES: usize = 8;
 
 /// Columns of the factor that are stored together: what stands above the diagonal of a wider front would be stored as zeros.
 const PANEL: usize = 256;

@@ -4,8 +4,8 @@ use faer::{MatMut, MatRef};
 use rayon::prelude::*;
 use sprs::CsMat;
 
-/// Columns handled together, so that each matrix entry is loaded once for all of them.
-const LANES: usize = 8;
+/// Columns handled together, so that each matrix entry is loaded once for all of them; they fill a vector register.
+pub(crate) const LANES: usize = 8;
 
 /// Rows computed together.
 const GROUP: usize = 2048;
