@@ -506,6 +506,8 @@ impl<'a> TransposedSolves<'a> {
             Some((rest.clone(), image))
         };
         let rest = stuck.response(right);
-        self.residuals.solve(rest, Motion::zero(right.len()), tolerance, search)
+        let renew = |rest: &mut Motion| stuck.solve_into(&rest.p, &mut rest.v);
+        self.residuals
+            .solve(rest, Motion::zero(right.len()), tolerance, renew, search)
     }
 }

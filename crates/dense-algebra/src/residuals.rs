@@ -34,6 +34,9 @@ pub struct ConjugateResiduals<S, R> {
 /// An image whose part outside of those before is shorter than this, relative to it, is made orthogonal once more: round-off is left in it.
 const LOST: f64 = 0.5;
 
+/// A rest shorter than this, relative to when it was last renewed, is renewed.
+const WORN: f64 = 1e-4;
+
 impl<S: Vector, R: Inner> ConjugateResiduals<S, R> {
     /// Keeps at most `most` directions.
     pub fn new(most: usize) -> Self {
@@ -50,20 +53,27 @@ impl<S: Vector, R: Inner> ConjugateResiduals<S, R> {
         self.steps.len()
     }
 
-    /// Adds to `found` the step whose image is `rest`. `search` gives the next step for what is left, and its image, or nothing more. `None` if `tolerance`
-    /// (relative) is not reached.
+    /// Adds to `found` the step whose image is `rest`. `search` gives the next step for what is left, and its image, or nothing more. `renew` computes the
+    /// parts of what is left that follow from others: their round-off is that of the start, large beside a small rest, and steps of small rests are
+    /// multiplied by large numbers for later right-hand sides. `None` if `tolerance` (relative) is not reached.
     pub fn solve(
         &mut self,
         mut rest: R,
         mut found: S,
         tolerance: f64,
+        renew: impl Fn(&mut R),
         search: impl Fn(&R) -> Option<(S, R)>,
     ) -> Option<S> {
         let norm = rest.norm();
+        let mut renewed = norm;
         let mut along = self.take_known(&mut rest);
         while rest.norm() > tolerance * norm {
             if self.steps.len() >= self.most {
                 return None;
+            }
+            if rest.norm() < WORN * renewed {
+                renew(&mut rest);
+                renewed = rest.norm();
             }
             let (step, image) = search(&rest)?;
             if !self.keep(step, image, f64::EPSILON) {
@@ -165,7 +175,9 @@ mod tests {
         };
         let mut solver = ConjugateResiduals::new(3);
         for right in [vec![1.0, 2.0, 3.0], vec![-1.0, 0.5, 0.0], vec![0.0; 3]] {
-            let found = solver.solve(right.clone(), vec![0.0; 3], 1e-13, search).unwrap();
+            let found = solver
+                .solve(right.clone(), vec![0.0; 3], 1e-13, |_| (), search)
+                .unwrap();
             for (a, b) in product(&found).iter().zip(&right) {
                 assert!((a - b).abs() < 1e-12, "{found:?}");
             }
@@ -181,6 +193,68 @@ mod tests {
         }
         assert!(!solver.keep(found.clone(), product(&found), 1e-9));
         let mut short = ConjugateResiduals::new(1);
-        assert!(short.solve(vec![1.0, 2.0, 3.0], vec![0.0; 3], 1e-13, search).is_none());
+        assert!(
+            short
+                .solve(vec![1.0, 2.0, 3.0], vec![0.0; 3], 1e-13, |_| (), search)
+                .is_none()
+        );
+    }
+
+    /// A force with what a diagonal stiffness answers.
+    #[derive(Clone)]
+    struct Answered {
+        force: Vec<f64>,
+        response: Vec<f64>,
+    }
+
+    impl Vector for Answered {
+        fn add(&mut self, factor: f64, other: &Self) {
+            self.force.add(factor, &other.force);
+            self.response.add(factor, &other.response);
+        }
+
+        fn scale(&mut self, factor: f64) {
+            self.force.scale(factor);
+            self.response.scale(factor);
+        }
+    }
+
+    impl Inner for Answered {
+        fn dot(&self, other: &Self) -> f64 {
+            self.force.dot(&other.response)
+        }
+    }
+
+    #[test]
+    fn steps_of_small_rests_serve_later_right_hand_sides() {
+        let n = 30;
+        let stiffness: Vec<f64> = (0..n).map(|i| 7f64.powi(-(i as i32 % 12))).collect();
+        let answer = |force: &[f64]| -> Vec<f64> { force.iter().zip(&stiffness).map(|(p, k)| p / k).collect() };
+        let answered = |force: Vec<f64>| Answered {
+            response: answer(&force),
+            force,
+        };
+        // Springs beside the stiffness, a hundredth of it.
+        let springs = |v: &[f64], i: usize| {
+            let next = (i + 1) % n;
+            1e-2 * (stiffness[i] * stiffness[next]).sqrt() * v[next] + 1e-2 * stiffness[i] * (i % 3) as f64 * v[i]
+        };
+        let search = |rest: &Answered| {
+            let image = (0..n).map(|i| rest.force[i] + springs(&rest.response, i));
+            Some((rest.clone(), answered(image.collect())))
+        };
+        let renew = |rest: &mut Answered| rest.response = answer(&rest.force);
+        let mut solver = ConjugateResiduals::new(100);
+        for right in 0..4 {
+            let force = (0..n).map(|i| ((3 * i + 7 * right) as f64).sin() * stiffness[i].sqrt());
+            let right = answered(force.collect());
+            let none = answered(vec![0.0; n]);
+            let found = solver.solve(right.clone(), none, 1e-12, renew, search).unwrap();
+            let image = (0..n).map(|i| stiffness[i] * found.response[i] + springs(&found.response, i));
+            let mut left = answered(image.collect());
+            left.add(-1.0, &right);
+            // 3e-8 if rests are not renewed.
+            assert!(left.norm() < 3e-12 * right.norm(), "{:e}", left.norm() / right.norm());
+        }
     }
 }

@@ -370,7 +370,8 @@ impl<'s, 'a, F: PointwiseForce> Bordered<'s, 'a, F> {
             let image = self.product(&step, &rest.conditions);
             Some((step, image))
         };
-        searched.solve(start, first, tolerance, search)
+        let renew = |rest: &mut Direction| rest.response = self.system.solve_stuck(&rest.force);
+        searched.solve(start, first, tolerance, renew, search)
     }
 }
 

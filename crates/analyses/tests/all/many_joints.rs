@@ -414,7 +414,7 @@ fn derivatives_by_blocks_are_those_by_dense_matrices() {
             for (a, b) in a.iter().zip(&b) {
                 let (method, parameter) = (&own["method"], &own["parameter"]);
                 assert!(
-                    (a - b).abs() < 1e-5 * a.abs() + 1e-8,
+                    (a - b).abs() < 1e-6 * a.abs() + 1e-8,
                     "{method} {parameter} {field}: {a} and {b}"
                 );
             }
