@@ -43,8 +43,7 @@ pub fn full_modes(
     limits: Limits<'_>,
 ) -> Result<Modes, Error> {
     let parts = Parts::of(system, interface);
-    modes_of_whole(&parts, n, |part, n| {
-        let limits = limits.of_part(part, parts.len());
+    modes_of_whole(&parts, n, limits, |part, n, limits| {
         // What is not needed any more would be in the way of the factor.
         let (mut stiffness, mass, positions) = match parts.system(part) {
             Cow::Borrowed(own) => (
@@ -76,9 +75,10 @@ pub fn full_modes(
 fn modes_of_whole(
     parts: &Parts<'_>,
     n: usize,
-    of_part: impl FnMut(usize, usize) -> Result<Modes, Error>,
+    limits: Limits<'_>,
+    of_part: impl Fn(usize, usize, Limits<'_>) -> Result<Modes, Error> + Sync,
 ) -> Result<Modes, Error> {
-    let mut found = modes_of_parts(parts, n, of_part)?;
+    let mut found = modes_of_parts(parts, n, limits, of_part)?;
     for (part, modes) in found.iter_mut().enumerate() {
         let own = std::mem::replace(&mut modes.shapes, Mat::zeros(0, 0));
         modes.shapes = parts.displacements(part, own);
@@ -129,10 +129,10 @@ pub fn stuck_frequencies(
 /// Failures of the factorisation or of the eigensolver; the `limits`.
 pub fn stuck_modes(system: &RelativeSystem, n: usize, tolerance: f64, limits: Limits<'_>) -> Result<Modes, Error> {
     let parts = Parts::of(system, None);
-    modes_of_whole(&parts, n, |part, n| {
+    modes_of_whole(&parts, n, limits, |part, n, limits| {
         let own = parts.system(part);
         let (size, nd) = (own.stiffness.rows(), own.n_relative);
-        let mut modes = modes_of_rest(own, n, tolerance, limits.of_part(part, parts.len()))?;
+        let mut modes = modes_of_rest(own, n, tolerance, limits)?;
         let mut shapes = Mat::zeros(size, modes.shapes.ncols());
         shapes.subrows_mut(nd, size - nd).copy_from(&modes.shapes);
         modes.shapes = shapes;

@@ -274,17 +274,15 @@ fn reduce_parts(
         stuck_frequencies.sort_by(f64::total_cmp);
         stuck_frequencies.truncate(settings.n_reported.max(settings.n_modes));
     }
-    let mut reduced = Vec::with_capacity(parts.len());
-    for (part, stuck) in stuck.iter().enumerate() {
-        let system = parts.system(part);
+    let mut reduced = parts.each(limits, |part, limits| {
+        let (system, stuck) = (parts.system(part), &stuck[part]);
         let acting = acting_loads(parts, part, settings);
         let kept = kept(&system, settings);
-        let own = limits.of_part(part, parts.len());
         let (supported, condensed) =
-            Supported::condense(&system, stuck.zero_energy(), &kept, own.part(0.0, CONDENSING))?;
+            Supported::condense(&system, stuck.zero_energy(), &kept, limits.part(0.0, CONDENSING))?;
         let basis = Basis::try_new(&system, supported, stuck, retained[part], &acting)?;
-        reduced.push(ReducedPart::try_new(basis, condensed, &parts.onto(part, rows))?);
-    }
+        ReducedPart::try_new(basis, condensed, &parts.onto(part, rows))
+    })?;
     let nd = parts.of_whole().n_relative;
     let order = order(reduced.iter().map(|part| (part.eigenvalues.clone(), part.n_attachment)));
     let n = nd + order.len();
@@ -382,8 +380,8 @@ fn sum_over_jump<'a>(parts: impl Iterator<Item = (Mat<f64>, &'a JumpPlaces)>, nd
 
 /// The modes of each part with a stuck interface; as many without energy as expected, and in equilibrium with all loads.
 fn stuck_modes(parts: &Parts<'_>, settings: Settings, limits: Limits<'_>) -> Result<Vec<Modes>, Error> {
-    let stuck = modes_of_parts(parts, settings.n_reported.max(settings.n_modes), |part, n| {
-        let limits = limits.of_part(part, parts.len());
+    let n = settings.n_reported.max(settings.n_modes);
+    let stuck = modes_of_parts(parts, n, limits, |part, n, limits| {
         let modes = modes_of_rest(parts.system(part), n, settings.mode_tolerance, limits)?;
         limits.done(1.0);
         Ok(modes)
@@ -591,18 +589,17 @@ fn displacements_of_parts(
         return Err(Error::OtherModel { deviation: 1.0 });
     }
     let retained = retained(stuck, settings.n_modes);
-    let bases = systems.iter().enumerate().map(|(part, system)| {
+    let bases = parts.each(limits, |part, limits| {
+        let system = &systems[part];
         let acting = acting_loads(parts, part, settings);
         let zero_energy = stuck[part].zero_energy();
-        let limits = limits.of_part(part, parts.len());
         let supported = match acting.is_empty() {
             true => Supported::try_new(system, zero_energy, limits)?,
             // Signs of attachment modes follow from static responses, which must be those of the reduction to the last bit.
             false => Supported::condense(system, zero_energy, &kept(system, settings), limits)?.0,
         };
         Basis::try_new(system, supported, &stuck[part], retained[part], &acting)
-    });
-    let bases = bases.collect::<Result<Vec<_>, Error>>()?;
+    })?;
     let of_basis = |basis: &Basis<'_>| (basis.interior.eigenvalues.clone(), basis.n_attachment);
     let order = order(bases.iter().map(of_basis));
     let nd = parts.of_whole().n_relative;

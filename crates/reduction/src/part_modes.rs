@@ -8,20 +8,19 @@ use finite_elements::eigen::{Modes, lowest_modes_within};
 use std::borrow::Cow;
 
 /// Modes of each part: those without energy, and at least those that are among the `n` lowest of the others of all parts. `of_part` finds so many of a
-/// part, or all if there are fewer.
+/// part, or all if there are fewer, within the limits for it.
 pub(crate) fn modes_of_parts(
     parts: &Parts<'_>,
     n: usize,
-    mut of_part: impl FnMut(usize, usize) -> Result<Modes, Error>,
+    limits: Limits<'_>,
+    of_part: impl Fn(usize, usize, Limits<'_>) -> Result<Modes, Error> + Sync,
 ) -> Result<Vec<Modes>, Error> {
     // Parts have about as many each.
     let share = match parts.len() {
         1 => n,
         _ => n.min(3 * n / 5 + 2),
     };
-    let mut found = (0..parts.len())
-        .map(|part| of_part(part, share))
-        .collect::<Result<Vec<_>, Error>>()?;
+    let mut found = parts.each(limits, |part, limits| of_part(part, share, limits))?;
     let mut all: Vec<f64> = found
         .iter()
         .flat_map(|modes| &modes.eigenvalues[modes.n_zero..])
@@ -34,7 +33,7 @@ pub(crate) fn modes_of_parts(
         let elastic = &modes.eigenvalues[modes.n_zero..];
         let may_lack = elastic.len() == share && elastic.last().is_none_or(|last| *last < highest);
         if share < n && may_lack {
-            *modes = of_part(part, n)?;
+            *modes = of_part(part, n, limits.of_part(part, parts.len()))?;
         }
     }
     Ok(found)

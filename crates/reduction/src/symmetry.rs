@@ -4,11 +4,13 @@
 //! both, stiffness and mass fall into two parts, each with about half of the coordinates. What acts on the interface need not be
 //! symmetric: the jump of the whole is the sum of those of both parts.
 
+use crate::Error;
 use crate::relative::{RelativeSystem, SystemMatrices};
-use dense_algebra::product;
+use dense_algebra::{Limits, product};
 use faer::Mat;
 use finite_elements::reflection::Reflection;
 use finite_elements::sparse::{congruence, is_kept_by, multiply_into, multiply_vector, numbering, sum};
+use rayon::prelude::*;
 use sprs::{CsMat, TriMat};
 use std::borrow::Cow;
 
@@ -27,6 +29,12 @@ const NO_LOAD: f64 = 1e-10;
 
 /// Most coordinates that have no image because constraints eliminated it: their parts are found in full matrices.
 const MOST_WITHOUT_IMAGE: usize = 512;
+
+/// Most coordinates of a system whose parts are worked on side by side, which takes the memory of all at once.
+const SIDE_BY_SIDE: usize = 100_000;
+
+/// Memory beside which that of parts so small is little (bytes).
+const PLENTY: u64 = 4 << 30;
 
 /// The parts of a system, or the whole as the only one.
 pub(crate) struct Parts<'a> {
@@ -90,6 +98,23 @@ impl<'a> Parts<'a> {
 
     pub(crate) fn len(&self) -> usize {
         self.over.len().max(1)
+    }
+
+    /// What `of` finds of each part within the limits for it.
+    pub(crate) fn each<T: Send>(
+        &self,
+        limits: Limits<'_>,
+        of: impl Fn(usize, Limits<'_>) -> Result<T, Error> + Sync,
+    ) -> Result<Vec<T>, Error> {
+        let is_small = self.whole.stiffness.rows() <= SIDE_BY_SIDE;
+        if is_small && limits.memory().is_none_or(|memory| memory >= PLENTY) {
+            // All are about as far as the whole.
+            let found = (0..self.len()).into_par_iter().map(|part| of(part, limits));
+            return found.collect::<Vec<_>>().into_iter().collect();
+        }
+        (0..self.len())
+            .map(|part| of(part, limits.of_part(part, self.len())))
+            .collect()
     }
 
     /// Whether a load acts on a part; all act on the whole.
