@@ -179,11 +179,7 @@ impl Solver<'_> {
         progress.begin(Stage::Backbone);
         let rests = self.at_rest(scene, progress)?;
         let walks = self.beside.map(|beside| Walks {
-            own: AtRest {
-                interface,
-                state: &prestress.solution.state,
-                displacement: &prestress.solution.displacement,
-            },
+            own: AtRest::new(interface, &prestress),
             beside: beside
                 .iter()
                 .zip(&rests)

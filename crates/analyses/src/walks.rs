@@ -40,11 +40,7 @@ impl Beside {
     /// In its static state, if it has one.
     pub(super) fn at_rest<'a>(&'a self, found: Option<&'a PrestressResult>) -> Option<AtRest<'a>> {
         let (built, found) = self.interface.as_ref().zip(found)?;
-        Some(AtRest {
-            interface: &built.interface,
-            state: &found.solution.state,
-            displacement: &found.solution.displacement,
-        })
+        Some(AtRest::new(&built.interface, found))
     }
 }
 
@@ -104,10 +100,12 @@ pub(super) fn beside(
 
 /// An interface in its static state.
 pub(super) struct AtRest<'a> {
-    pub(super) interface: &'a Interface,
-    pub(super) state: &'a State,
+    interface: &'a Interface,
+    state: &'a State,
     /// The jump (m), followed by coordinates that are not looked at.
-    pub(super) displacement: &'a [f64],
+    displacement: &'a [f64],
+    /// Contact forces (N).
+    force: Vec<f64>,
 }
 
 /// The interface of a run at rest, and those with another number of a setting, as far as they have a static state.
@@ -125,21 +123,34 @@ struct Work {
     area: f64,
 }
 
-impl AtRest<'_> {
+impl<'a> AtRest<'a> {
+    pub(super) fn new(interface: &'a Interface, found: &'a PrestressResult) -> Self {
+        let (state, displacement) = (&found.solution.state, &found.solution.displacement);
+        let n = interface.n_dofs();
+        let (mut end, mut workspace, mut force) = (interface.no_change(), interface.workspace(), vec![0.0; n]);
+        let jump = &displacement[..n];
+        interface.evaluate(
+            jump,
+            Sticking::Coulomb,
+            state,
+            &mut end,
+            &mut workspace,
+            &mut force,
+            None,
+        );
+        Self {
+            interface,
+            state,
+            displacement,
+            force,
+        }
+    }
+
     /// Along the jumps of a closed loop from its positive reversal on (m), relative to the static state.
     fn walk<'p>(&self, path: impl ExactSizeIterator<Item = &'p [f64]>) -> Work {
         let n = self.interface.n_dofs();
         let [mut reached, mut end] = [(); 2].map(|()| self.interface.no_change());
         let (mut workspace, mut force, mut jump) = (self.interface.workspace(), vec![0.0; n], vec![0.0; n]);
-        let mut at = |motion: Option<&[f64]>, begin: &State, end: &mut State| -> Vec<f64> {
-            for (i, jump) in jump.iter_mut().enumerate() {
-                *jump = self.displacement[i] + motion.map_or(0.0, |motion| motion[i]);
-            }
-            self.interface
-                .evaluate(&jump, Sticking::Coulomb, begin, end, &mut workspace, &mut force, None);
-            force.clone()
-        };
-        let rest = at(None, self.state, &mut end);
         let middle = path.len() / 2;
         let mut work = Work {
             reversals: 0.0,
@@ -148,9 +159,18 @@ impl AtRest<'_> {
         let mut before: Option<(Vec<f64>, &[f64])> = None;
         for (vertex, motion) in path.enumerate() {
             let from = if vertex == 0 { self.state } else { &reached };
-            let mut found = at(Some(motion), from, &mut end);
+            for ((jump, rest), motion) in jump.iter_mut().zip(self.displacement).zip(motion) {
+                *jump = rest + motion;
+            }
+            let sticking = Sticking::Coulomb;
+            self.interface
+                .evaluate(&jump, sticking, from, &mut end, &mut workspace, &mut force, None);
             std::mem::swap(&mut reached, &mut end);
-            found.iter_mut().zip(&rest).for_each(|(force, rest)| *force -= rest);
+            let found: Vec<f64> = force
+                .iter()
+                .zip(&self.force)
+                .map(|(force, rest)| force - rest)
+                .collect();
             if vertex == 0 || vertex == middle {
                 work.reversals += 0.5 * found.iter().zip(motion).map(|(f, u)| f * u).sum::<f64>();
             }

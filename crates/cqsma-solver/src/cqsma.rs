@@ -9,7 +9,8 @@ use crate::newton::{Effort, Failure, LinearSolver, NewtonSettings, Sequence};
 use crate::path::Path;
 use crate::sensitivity::{Derivatives, DifferentiableForce, Follower, LoopRate};
 use contact_laws::{RegimeCounts, Sticking};
-use dense_algebra::{Inner, Vector, dot};
+use dense_algebra::{Inner, SystemMatrixRef, Vector, dot};
+use faer::Mat;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -434,6 +435,23 @@ struct LoopTracer<'a, F: HystereticForce> {
     walked: [Vec<(f64, Motion)>; 2],
 }
 
+/// The largest share of these motions that is not the mode, in the norm of the mass: of each the modal amplitude and what it has beside the mode.
+fn shape_deviation(mass: SystemMatrixRef<'_>, motions: &[(f64, Vec<f64>)]) -> f64 {
+    let beside = Mat::from_fn(mass.size(), motions.len(), |i, j| motions[j].1[i]);
+    // Of all at once: reading the mass takes longest.
+    let momenta = mass.product(beside.as_ref());
+    let of_motion = motions.iter().enumerate().map(|(j, (q, beside))| {
+        let square = beside
+            .iter()
+            .zip(momenta.col(j).iter())
+            .map(|(v, m)| v * m)
+            .sum::<f64>();
+        let square = square.max(0.0);
+        (square / (q * q + square)).sqrt()
+    });
+    of_motion.fold(0.0, f64::max)
+}
+
 impl<'a, F: HystereticForce> LoopTracer<'a, F> {
     fn new(
         structure: &'a Linearisation<'_, F::State>,
@@ -518,7 +536,8 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
     ) -> Result<(LoopResult, Vec<usize>), Failure> {
         let mut hysteresis = Loop::default();
         let mut numbers = Vec::new();
-        let mut deviation = 0.0_f64;
+        // Modal amplitude at each reversal, and what the motion there has beside the mode.
+        let mut reversals: Vec<(f64, Vec<f64>)> = Vec::new();
         // Without dissipation the way back passes the same vertices, which are kept for it.
         let mut passed: Vec<(Vec<f64>, F::Workspace)> = Vec::new();
         let mut total = vec![0.0; self.mode.shape.len()];
@@ -535,11 +554,8 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
             }
             if tracer.path.at.abs() >= tracer.peak {
                 let q = tracer.modal_amplitude();
-                let rest: Vec<f64> = v.iter().zip(&tracer.mode.shape).map(|(v, phi)| v - q * phi).collect();
-                let mut momentum = vec![0.0; v.len()];
-                structure.mass.multiply(&rest, &mut momentum);
-                let orthogonal = dot(&rest, &momentum).max(0.0);
-                deviation = deviation.max((orthogonal / (q * q + orthogonal)).sqrt());
+                let beside = v.iter().zip(&tracer.mode.shape).map(|(v, phi)| v - q * phi);
+                reversals.push((q, beside.collect()));
             }
         };
         record(self);
@@ -574,7 +590,7 @@ impl<'a, F: HystereticForce> LoopTracer<'a, F> {
                 one_way,
                 closure,
                 residual: self.path.residual,
-                shape_deviation: deviation,
+                shape_deviation: shape_deviation(structure.mass, &reversals),
                 counts,
             },
         );
