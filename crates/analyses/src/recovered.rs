@@ -14,6 +14,7 @@ use super::prepared::Prepared;
 use super::prestress::linearise;
 use super::solver::Solver;
 use crate::Error;
+use cqsma_solver::LoopResult;
 use dense_algebra::{Limits, SystemMatrix, product, symmetric_eigen};
 use faer::{Mat, MatRef};
 use finite_elements::mesh::Mesh;
@@ -69,7 +70,16 @@ impl Prepared {
         analysis: &Analysis,
         within: &Within<'_>,
     ) -> Result<ErrorBar, Error> {
-        let chosen: Vec<Vec<usize>> = analysis.modes.iter().map(chosen).collect();
+        let cycles = self.scene.analyses.backbone.cycles;
+        let chosen_of = |is_wanted: &dyn Fn(&LoopResult) -> bool| -> Vec<Vec<usize>> {
+            let modes = analysis.modes.iter();
+            modes.map(|mode| chosen(mode, is_wanted)).collect()
+        };
+        // The change of a loop from cycle to cycle is not that with the mesh, and such loops are the longest to compute.
+        let mut chosen = chosen_of(&|found| found.closed || cycles.is_some());
+        if chosen.iter().all(Vec::is_empty) {
+            chosen = chosen_of(&|_| true);
+        }
         let forces: Vec<Vec<f64>> = (analysis.modes.iter().zip(&chosen))
             .map(|(mode, numbers)| {
                 let force = |number: &usize| mode.amplitudes[*number].point.modal_force;
@@ -154,12 +164,13 @@ impl Prepared {
     }
 }
 
-/// Two amplitudes of a mode: the smallest and the largest whose damping a mesh resolves, or the last ones that have any to speak of.
-fn chosen(mode: &ModeAnalysis) -> Vec<usize> {
+/// Two amplitudes of a mode, of those that are wanted: the smallest and the largest whose damping a mesh resolves, or the last ones that have any to speak
+/// of.
+fn chosen(mode: &ModeAnalysis, is_wanted: &dyn Fn(&LoopResult) -> bool) -> Vec<usize> {
     let resolved = |least: f64| -> Vec<usize> {
         let is_resolved = |number: &usize| {
             let result = mode.amplitudes[*number].point.result.as_ref();
-            result.is_ok_and(|found| found.is_resolved() && found.zeta >= least)
+            result.is_ok_and(|found| is_wanted(found) && found.is_resolved() && found.zeta >= least)
         };
         (0..mode.amplitudes.len()).filter(is_resolved).collect()
     };
