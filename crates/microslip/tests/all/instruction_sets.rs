@@ -11,9 +11,9 @@ use std::process::Command;
 
 const QUICK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/scenes/brb-quick.json");
 
-/// Relative differences that are allowed of frequency and of damping; with and without fused operations they were 2.2e-14 and
-/// 2.8e-13.
-const TOLERANCE: [f64; 2] = [1e-12, 1e-11];
+/// Relative differences that are allowed of frequency and of damping; with and without fused operations they were 3.3e-14 and
+/// 3.6e-13.
+const TOLERANCE: [f64; 2] = [2e-13, 2e-12];
 
 /// A backbone by frequency, and damping where it is resolved.
 type Backbone = Vec<(f64, Option<f64>)>;
@@ -41,7 +41,11 @@ fn backbones_agree_whatever_instruction_set_evaluates_the_laws() {
         let folder = folder(&format!("instructions-{kind}"));
         let mut scene = read_json(Path::new(QUICK));
         scene["interfaces"]["law"] = json!({ "friction": "lumped", "kind": kind });
-        scene["analyses"]["backbone"] = json!({ "amplitudes": 4, "vertices_per_quarter": 4 });
+        scene["analyses"]["backbone"] = json!({
+            "amplitudes": 4, "vertices_per_quarter": 4,
+            // Where the search ends would make a difference of 1e-11 by default.
+            "tolerance": 1e-12,
+        });
         std::fs::write(folder.join("scene.json"), scene.to_string()).unwrap();
         let (widest, all) = backbone(&folder, "");
         assert_eq!(all.len(), 4);
