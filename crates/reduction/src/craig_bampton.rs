@@ -244,7 +244,7 @@ pub fn modes_of_basis(system: &RelativeSystem, settings: Settings, limits: Limit
     stuck_modes(&parts_of(system, settings), settings, limits)
 }
 
-/// The parts that a reduction takes one after the other.
+/// The parts of a reduction.
 fn parts_of(system: &RelativeSystem, settings: Settings) -> Parts<'_> {
     match settings.attachment_modes {
         // Joints are no images of themselves, but of one another.
