@@ -23,6 +23,8 @@ pub struct PrestressResult {
     pub equilibrium_error: f64,
     /// Fields.
     pub fields: Fields,
+    /// Contact forces (N).
+    pub contact_force: Vec<f64>,
     /// Tension of each bolt (N).
     pub tensions: Vec<f64>,
 }
@@ -169,6 +171,7 @@ fn describe(
             regime: workspace.regime,
             flux: std::array::from_fn(|_| vec![0.0; interface.operators().n_points()]),
         },
+        contact_force: contact,
         tensions,
     }
 }

@@ -14,7 +14,6 @@ use super::prepared::Prepared;
 use super::prestress::linearise;
 use super::solver::Solver;
 use crate::Error;
-use cqsma_solver::LoopResult;
 use dense_algebra::{Limits, SystemMatrix, product, symmetric_eigen};
 use faer::{Mat, MatRef};
 use finite_elements::mesh::Mesh;
@@ -70,15 +69,15 @@ impl Prepared {
         analysis: &Analysis,
         within: &Within<'_>,
     ) -> Result<ErrorBar, Error> {
-        let cycles = self.scene.analyses.backbone.cycles;
-        let chosen_of = |is_wanted: &dyn Fn(&LoopResult) -> bool| -> Vec<Vec<usize>> {
+        let chosen_of = |open_too: bool| -> Vec<Vec<usize>> {
             let modes = analysis.modes.iter();
-            modes.map(|mode| chosen(mode, is_wanted)).collect()
+            modes.map(|mode| chosen(mode, open_too)).collect()
         };
-        // The change of a loop from cycle to cycle is not that with the mesh, and such loops are the longest to compute.
-        let mut chosen = chosen_of(&|found| found.closed || cycles.is_some());
+        // The change of a loop from cycle to cycle is not that with the mesh, and such loops are the longest to compute. None of a fixed number of
+        // cycles counts as closed.
+        let mut chosen = chosen_of(self.scene.analyses.backbone.cycles.is_some());
         if chosen.iter().all(Vec::is_empty) {
-            chosen = chosen_of(&|_| true);
+            chosen = chosen_of(true);
         }
         let forces: Vec<Vec<f64>> = (analysis.modes.iter().zip(&chosen))
             .map(|(mode, numbers)| {
@@ -164,13 +163,13 @@ impl Prepared {
     }
 }
 
-/// Two amplitudes of a mode, of those that are wanted: the smallest and the largest whose damping a mesh resolves, or the last ones that have any to speak
-/// of.
-fn chosen(mode: &ModeAnalysis, is_wanted: &dyn Fn(&LoopResult) -> bool) -> Vec<usize> {
+/// Two amplitudes of a mode whose loops closed, or are `open_too`: the smallest and the largest whose damping a mesh resolves, or the last ones that have any
+/// to speak of.
+fn chosen(mode: &ModeAnalysis, open_too: bool) -> Vec<usize> {
     let resolved = |least: f64| -> Vec<usize> {
         let is_resolved = |number: &usize| {
             let result = mode.amplitudes[*number].point.result.as_ref();
-            result.is_ok_and(|found| is_wanted(found) && found.is_resolved() && found.zeta >= least)
+            result.is_ok_and(|found| (open_too || found.closed) && found.is_resolved() && found.zeta >= least)
         };
         (0..mode.amplitudes.len()).filter(is_resolved).collect()
     };

@@ -105,7 +105,7 @@ pub(super) struct AtRest<'a> {
     /// The jump (m), followed by coordinates that are not looked at.
     displacement: &'a [f64],
     /// Contact forces (N).
-    force: Vec<f64>,
+    force: &'a [f64],
 }
 
 /// The interface of a run at rest, and those with another number of a setting, as far as they have a static state.
@@ -125,24 +125,11 @@ struct Work {
 
 impl<'a> AtRest<'a> {
     pub(super) fn new(interface: &'a Interface, found: &'a PrestressResult) -> Self {
-        let (state, displacement) = (&found.solution.state, &found.solution.displacement);
-        let n = interface.n_dofs();
-        let (mut end, mut workspace, mut force) = (interface.no_change(), interface.workspace(), vec![0.0; n]);
-        let jump = &displacement[..n];
-        interface.evaluate(
-            jump,
-            Sticking::Coulomb,
-            state,
-            &mut end,
-            &mut workspace,
-            &mut force,
-            None,
-        );
         Self {
             interface,
-            state,
-            displacement,
-            force,
+            state: &found.solution.state,
+            displacement: &found.solution.displacement,
+            force: &found.contact_force,
         }
     }
 
@@ -166,11 +153,7 @@ impl<'a> AtRest<'a> {
             self.interface
                 .evaluate(&jump, sticking, from, &mut end, &mut workspace, &mut force, None);
             std::mem::swap(&mut reached, &mut end);
-            let found: Vec<f64> = force
-                .iter()
-                .zip(&self.force)
-                .map(|(force, rest)| force - rest)
-                .collect();
+            let found: Vec<f64> = force.iter().zip(self.force).map(|(force, rest)| force - rest).collect();
             if vertex == 0 || vertex == middle {
                 work.reversals += 0.5 * found.iter().zip(motion).map(|(f, u)| f * u).sum::<f64>();
             }
