@@ -7,7 +7,7 @@
 //! of two taken off, and with the same bits for those that need none.
 
 use super::return_map::{CLOSED, SLIP, STICK, TRACTION, jet, limit_slope, path, scaled, share_of};
-use super::rule::{FrictionRule, Path};
+use super::rule::{FrictionRule, Path, PathChange, StiffnessAt, StiffnessChange};
 use crate::curves::CurveBlock;
 use crate::jet::Jet;
 #[cfg(not(feature = "std"))]
@@ -15,6 +15,9 @@ use crate::math::Float as _;
 use crate::simd::bounds::{bounded, within};
 use crate::simd::elementary::{max, min};
 use crate::simd::{Lanes, Pass, WIDTH, lanes};
+use crate::transposed::WayBack;
+use alloc::vec;
+use alloc::vec::Vec;
 
 /// What the annuli of a bin answer from, and where it goes.
 pub(crate) struct Annuli<'a, const B: usize> {
@@ -41,6 +44,8 @@ pub(crate) struct Annuli<'a, const B: usize> {
     pub(crate) tangent: Option<&'a mut [Lanes<f64, B>; 9]>,
     /// Those of all annuli, bit by bit.
     pub(crate) regimes: &'a mut Lanes<u64, B>,
+    /// What the way back needs, in the place of answers: of all else that is written, nothing is.
+    pub(crate) slopes: Option<&'a mut Slopes<B>>,
 }
 
 /// Annuli with their rule.
@@ -51,15 +56,16 @@ impl<R: FrictionRule, const B: usize> Pass for Ruled<'_, R, B> {
     fn run<const FMA: bool>(self) {
         let Self(mut annuli, rule) = self;
         macro_rules! answer {
-            ($tangent:literal) => {
-                if !all::<R, $tangent, false, B>(rule, &mut annuli) {
-                    all::<R, $tangent, true, B>(rule, &mut annuli);
+            ($tangent:literal, $back:literal) => {
+                if !all::<R, $tangent, $back, false, B>(rule, &mut annuli) {
+                    all::<R, $tangent, $back, true, B>(rule, &mut annuli);
                 }
             };
         }
-        match annuli.tangent.is_some() {
-            true => answer!(true),
-            false => answer!(false),
+        match (annuli.tangent.is_some(), annuli.slopes.is_some()) {
+            (_, true) => answer!(false, true),
+            (true, false) => answer!(true, false),
+            (false, false) => answer!(false, false),
         }
     }
 }
@@ -70,7 +76,7 @@ const LARGEST: f64 = 1e280;
 
 /// All points; whether no square was out of bounds.
 #[inline(always)]
-fn all<R: FrictionRule, const TANGENT: bool, const SCALED: bool, const B: usize>(
+fn all<R: FrictionRule, const TANGENT: bool, const BACK: bool, const SCALED: bool, const B: usize>(
     rule: R,
     annuli: &mut Annuli<'_, B>,
 ) -> bool {
@@ -78,17 +84,17 @@ fn all<R: FrictionRule, const TANGENT: bool, const SCALED: bool, const B: usize>
     let wide = m - m % WIDTH;
     let mut is_moderate = true;
     for first in (0..wide).step_by(WIDTH) {
-        is_moderate &= some::<R, TANGENT, SCALED, WIDTH, B>(rule, annuli, first);
+        is_moderate &= some::<R, TANGENT, BACK, SCALED, WIDTH, B>(rule, annuli, first);
     }
     for first in wide..m {
-        is_moderate &= some::<R, TANGENT, SCALED, 1, B>(rule, annuli, first);
+        is_moderate &= some::<R, TANGENT, BACK, SCALED, 1, B>(rule, annuli, first);
     }
     is_moderate
 }
 
 /// `W` points from one on.
 #[inline(always)]
-fn some<R: FrictionRule, const TANGENT: bool, const SCALED: bool, const W: usize, const B: usize>(
+fn some<R: FrictionRule, const TANGENT: bool, const BACK: bool, const SCALED: bool, const W: usize, const B: usize>(
     rule: R,
     annuli: &mut Annuli<'_, B>,
     first: usize,
@@ -182,6 +188,24 @@ fn some<R: FrictionRule, const TANGENT: bool, const SCALED: bool, const W: usize
                 per_length[i] = directed / max(square[i], f64::MIN_POSITIVE).sqrt();
             }
         }
+        if let (true, Some(slopes)) = (BACK, annuli.slopes.as_deref_mut()) {
+            let (mut left, mut d_x, mut d_y) = (zero, zero, zero);
+            for i in 0..W {
+                let (scaled_x, scaled_y, scale) = if SCALED { scaled(x[i], y[i]) } else { (x[i], y[i], 1.0) };
+                let closed = u_n[i] > 0.0;
+                (d_x[i], d_y[i]) = (scaled_x * per_length[i], scaled_y * per_length[i]);
+                let own = stays[i] + limit[i] * per_length[i] * scale;
+                left[i] = if closed { own } else { 0.0 * u_n[i] };
+            }
+            let Slip {
+                left: into,
+                direction: [into_x, into_y],
+            } = &mut slopes.annuli[annulus];
+            into.0[first..][..W].copy_from_slice(&left);
+            into_x.0[first..][..W].copy_from_slice(&d_x);
+            into_y.0[first..][..W].copy_from_slice(&d_y);
+            continue;
+        }
         for i in 0..W {
             let (scaled_x, scaled_y, scale) = if SCALED { scaled(x[i], y[i]) } else { (x[i], y[i], 1.0) };
             let (d_x, d_y) = (scaled_x * per_length[i], scaled_y * per_length[i]);
@@ -204,6 +228,67 @@ fn some<R: FrictionRule, const TANGENT: bool, const SCALED: bool, const W: usize
         let row = 2 * annulus * *stride + first;
         end[row..][..W].copy_from_slice(&x);
         end[row + *stride..][..W].copy_from_slice(&y);
+    }
+    if let (true, Some(slopes)) = (BACK, annuli.slopes.as_deref_mut()) {
+        let (mu_slope, normal_slope) = (at!(annuli.mu_slope), at!(normal_slope.0));
+        macro_rules! along {
+            ($q:literal, $u:expr, $u_0:expr, $k:expr, $slope:expr, $curvature:expr) => {{
+                let mut slopes_of = [zero; 4];
+                for i in 0..W {
+                    let stuck = trial!(i, $u, $u_0, 0.0, 1.0, $k, $slope, $curvature);
+                    let reopened = w_0[i] < 0.0;
+                    let path = path([$u[i], $u_0[i]], [w[i], w_0[i]], 0.0, [share[i], share_slope[i]]);
+                    let k = jet($k[i], $slope[i], $curvature[i]);
+                    let halfway = match R::STIFFNESS {
+                        StiffnessAt::Middle => 0.5,
+                        StiffnessAt::End => 0.0,
+                    };
+                    let moved = if reopened { 0.0 } else { halfway };
+                    let begun = PathChange {
+                        u: 0.0,
+                        du: -1.0,
+                        du_n: 0.0,
+                        share: 0.0,
+                        traction: 0.0,
+                        stretch: 0.0,
+                    };
+                    let still = StiffnessChange { value: 0.0, slope: 0.0 };
+                    let reclosing = PathChange {
+                        du: 0.0,
+                        du_n: -1.0,
+                        share: if reopened { bounded(share[i] / (w[i] - w_0[i])) } else { 0.0 },
+                        ..begun
+                    };
+                    let stiffening = StiffnessChange {
+                        value: moved * k.slope,
+                        slope: moved * k.curvature,
+                    };
+                    let found = [
+                        stuck.along,
+                        stuck.closing,
+                        rule.trial_change(path, k, begun, still),
+                        rule.trial_change(path, k, reclosing, stiffening),
+                    ];
+                    for (values, found) in slopes_of.iter_mut().zip(found) {
+                        values[i] = if u_n[i] > 0.0 { found } else { 0.0 };
+                    }
+                }
+                for (into, values) in slopes.trial[$q].iter_mut().zip(&slopes_of) {
+                    into.0[first..][..W].copy_from_slice(values);
+                }
+            }};
+        }
+        along!(0, u_x, x_0, k_x, slope_x, curvature_x);
+        along!(1, u_y, y_0, k_y, slope_y, curvature_y);
+        let (mut of_limit, mut of_normal) = (zero, zero);
+        for i in 0..W {
+            let closed = u_n[i] > 0.0;
+            of_limit[i] = limit_slope(mu_slope[i], normal_slope[i]);
+            of_normal[i] = if closed { bounded(normal_slope[i]) } else { 0.0 };
+        }
+        slopes.limit.0[first..][..W].copy_from_slice(&of_limit);
+        slopes.normal.0[first..][..W].copy_from_slice(&of_normal);
+        return SCALED | (is_moderate == [true; W]);
     }
     let n_annuli = annuli.shares.len() as f64;
     let mut regimes = [0; W];
@@ -242,4 +327,138 @@ fn some<R: FrictionRule, const TANGENT: bool, const SCALED: bool, const W: usize
         }
     }
     SCALED | (is_moderate == [true; W])
+}
+
+/// Derivatives of what an asperity and its annuli do, at the points of a block.
+pub(crate) struct Slopes<const B: usize> {
+    annuli: Vec<Slip<B>>,
+    /// Of the stuck trial of the asperity along x and y: by the jump along it, by the interference, and by both at the begin state.
+    trial: [[Lanes<f64, B>; 4]; 2],
+    /// Of slip limit and normal force by the interference.
+    limit: Lanes<f64, B>,
+    normal: Lanes<f64, B>,
+}
+
+/// How an annulus slips.
+#[derive(Clone)]
+struct Slip<const B: usize> {
+    /// What is left of a change of the trial across the direction: 1 where it sticks, zero where it is open.
+    left: Lanes<f64, B>,
+    /// Zero without slip.
+    direction: [Lanes<f64, B>; 2],
+}
+
+impl<const B: usize> Slopes<B> {
+    pub(crate) fn new(n_annuli: usize) -> Self {
+        let zero = Lanes([0.0; B]);
+        let slip = Slip {
+            left: zero,
+            direction: [zero; 2],
+        };
+        Self {
+            annuli: vec![slip; n_annuli],
+            trial: [[zero; 4]; 2],
+            limit: zero,
+            normal: zero,
+        }
+    }
+}
+
+/// The annuli of a bin on the way back through a step, for one adjoint.
+pub(crate) struct AnnuliBack<'a, const B: usize> {
+    pub(crate) way: WayBack,
+    /// As in [`Annuli`].
+    pub(crate) shares: &'a [[f64; 2]],
+    pub(crate) slopes: &'a Slopes<B>,
+    /// Asperities per area.
+    pub(crate) density: &'a Lanes<f64, B>,
+    /// Adjoints of the tractions, and of what annuli remember, as in [`Annuli`].
+    pub(crate) traction: [&'a [f64]; 3],
+    pub(crate) history: (&'a mut [f64], usize),
+    /// What is added to the adjoints of the jump and of that of the begin state.
+    pub(crate) sums: &'a mut [Lanes<f64, B>; 6],
+}
+
+impl<const B: usize> Pass for AnnuliBack<'_, B> {
+    #[inline(always)]
+    fn run<const FMA: bool>(mut self) {
+        let m = self.traction[0].len().min(B);
+        let wide = m - m % WIDTH;
+        // Known where the loops are compiled.
+        macro_rules! back {
+            ($way:ident) => {{
+                for first in (0..wide).step_by(WIDTH) {
+                    back::<WIDTH, B>(WayBack::$way, &mut self, first);
+                }
+                for first in wide..m {
+                    back::<1, B>(WayBack::$way, &mut self, first);
+                }
+            }};
+        }
+        match self.way {
+            WayBack::Committed => back!(Committed),
+            WayBack::Passed => back!(Passed),
+            WayBack::JumpAlone => back!(JumpAlone),
+        }
+    }
+}
+
+/// `W` points from one on.
+#[inline(always)]
+fn back<const W: usize, const B: usize>(way: WayBack, of: &mut AnnuliBack<'_, B>, first: usize) {
+    let zero = [0.0; W];
+    macro_rules! at {
+        ($values:expr) => {
+            lanes::<W>(&$values[first..])
+        };
+    }
+    let [t_x, t_y, t_n] = of.traction;
+    let (density, t_x, t_y, t_n) = (at!(of.density.0), at!(t_x), at!(t_y), at!(t_n));
+    let (mut sum_x, mut sum_y, mut slipping) = (zero, zero, zero);
+    let (history, stride) = &mut of.history;
+    for (annulus, (slip, &[of_limit, of_stiffness])) in of.slopes.annuli.iter().zip(of.shares).enumerate() {
+        let row = 2 * annulus * *stride + first;
+        let [d_x, d_y] = &slip.direction;
+        let (left, d_x, d_y) = (at!(slip.left.0), at!(d_x.0), at!(d_y.0));
+        let (mut after_x, mut after_y) = (zero, zero);
+        after_x.copy_from_slice(&history[row..][..W]);
+        after_y.copy_from_slice(&history[row + *stride..][..W]);
+        for i in 0..W {
+            let force_x = way.of_end(after_x[i]) + density[i] * t_x[i];
+            let force_y = way.of_end(after_y[i]) + density[i] * t_y[i];
+            let along = d_x[i] * force_x + d_y[i] * force_y;
+            let trial_x = left[i] * (force_x - along * d_x[i]);
+            let trial_y = left[i] * (force_y - along * d_y[i]);
+            sum_x[i] += of_stiffness * trial_x;
+            sum_y[i] += of_stiffness * trial_y;
+            slipping[i] += of_limit * along;
+            after_x[i] = way.before(after_x[i], trial_x);
+            after_y[i] = way.before(after_y[i], trial_y);
+        }
+        if way != WayBack::JumpAlone {
+            history[row..][..W].copy_from_slice(&after_x);
+            history[row + *stride..][..W].copy_from_slice(&after_y);
+        }
+    }
+    let [of_x, of_y] = &of.slopes.trial;
+    let (limit, normal) = (at!(of.slopes.limit.0), at!(of.slopes.normal.0));
+    let [x_by_u, x_by_n, x_by_u0, x_by_n0] = of_x.each_ref().map(|values| at!(values.0));
+    let [y_by_u, y_by_n, y_by_u0, y_by_n0] = of_y.each_ref().map(|values| at!(values.0));
+    for (sum, (x, y)) in [
+        (0, (x_by_u, zero)),
+        (1, (zero, y_by_u)),
+        (2, (x_by_n, y_by_n)),
+        (3, (x_by_u0, zero)),
+        (4, (zero, y_by_u0)),
+        (5, (x_by_n0, y_by_n0)),
+    ] {
+        let mut values = at!(of.sums[sum].0);
+        for i in 0..W {
+            values[i] += x[i] * sum_x[i] + y[i] * sum_y[i];
+            if sum == 2 {
+                values[i] += limit[i] * slipping[i] + density[i] * normal[i] * t_n[i];
+            }
+        }
+        of.sums[sum].0[first..][..W].copy_from_slice(&values);
+    }
 }

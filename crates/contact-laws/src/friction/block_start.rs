@@ -174,6 +174,38 @@ pub(crate) fn gather(of_sets: &[f64], sets: &[u32], common: Option<u32>, into: &
     }
 }
 
+/// Zero, or NaN where a number of the jump or of the begin state of a block's points is not finite.
+pub(crate) fn spread_nan<const B: usize>(
+    jump: [&[f64]; 3],
+    begin: StateView<'_>,
+    block: &Range<usize>,
+    n_state: usize,
+) -> Lanes<f64, B> {
+    let mut fill = Lanes([0.0; B]);
+    for values in jump {
+        for (fill, value) in fill.0.iter_mut().zip(values) {
+            *fill += 0.0 * value;
+        }
+    }
+    let StateView {
+        data,
+        stride,
+        offset,
+        is_finite,
+        ..
+    } = begin;
+    if !is_finite {
+        run(SpreadNan {
+            rows: &data[offset + block.start..],
+            stride,
+            n_rows: n_state,
+            m: block.len(),
+            fill: &mut fill,
+        });
+    }
+    fill
+}
+
 /// The states of a block's points.
 pub(crate) struct Rows<'a> {
     pub(crate) begin: StateView<'a>,
@@ -199,31 +231,9 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Zero, or NaN where a number of the jump or of the begin state is not finite.
+    /// [`spread_nan`] of the block.
     pub(crate) fn spread_nan<const B: usize>(&self, jump: [&[f64]; 3], n_state: usize) -> Lanes<f64, B> {
-        let mut fill = Lanes([0.0; B]);
-        for values in jump {
-            for (fill, value) in fill.0.iter_mut().zip(values) {
-                *fill += 0.0 * value;
-            }
-        }
-        let StateView {
-            data,
-            stride,
-            offset,
-            is_finite,
-            ..
-        } = self.begin;
-        if !is_finite {
-            run(SpreadNan {
-                rows: &data[offset + self.block.start..],
-                stride,
-                n_rows: n_state,
-                m: self.block.len(),
-                fill: &mut fill,
-            });
-        }
-        fill
+        spread_nan(jump, self.begin, &self.block, n_state)
     }
 
     /// The jump as part of the end state, NaN where `fill` is.

@@ -103,8 +103,8 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
-use super::annuli::Annuli;
-use super::block_start::{Present, Rows, common, gather};
+use super::annuli::{Annuli, AnnuliBack, Slopes};
+use super::block_start::{Present, Rows, common, gather, spread_nan};
 use super::cone::{BoxWorkspace, Cone, respond};
 use super::history_rule::HistoryRule;
 use super::radii::{Circle, CircleChange, MAX_RADII, Radii, Reaction};
@@ -130,6 +130,7 @@ use crate::simd::{BLOCK, Lanes, Pass, part, part_mut, run};
 use crate::transposed::{self, Adjoint, Input, Part, WHOLE, WayBack};
 use alloc::borrow::Cow;
 use alloc::format;
+use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -492,6 +493,7 @@ impl ResolvedLaw {
         };
         let (n_memory, n_dent) = self.memories();
         let m = jump[0].len();
+        self.begin_block(first, sticking, m, room);
         let Scratch {
             sets,
             gap,
@@ -515,17 +517,8 @@ impl ResolvedLaw {
             sums,
             ..
         } = room;
-        let sets = &mut sets[..m];
-        self.bins.copy_set_numbers(first, sets);
+        let sets = &sets[..m];
         let one_set = common(sets);
-        match sticking {
-            Sticking::Frictionless => mu.0 = [0.0; B],
-            Sticking::Coulomb | Sticking::Full => self.mu.copy_to(first, &mut mu.0[..m]),
-        }
-        for (i, &set) in sets.iter().enumerate() {
-            let set = set as usize;
-            (hertz.0[i], mindlin.0[i], onset.0[i]) = (tables.hertz[set], tables.mindlin[set], tables.onset[set]);
-        }
         // Zero, or NaN where any input is no number.
         *fill = rows.spread_nan(jump, self.info.n_state());
         sums.begin(fill);
@@ -706,6 +699,7 @@ impl ResolvedLaw {
                             traction: &mut bin.traction,
                             tangent: with_tangent.then_some(&mut bin.tangent),
                             regimes: &mut workspace.regime,
+                            slopes: None,
                         });
                         sums.add(density, bin, &workspace.regime, entries);
                     }
@@ -806,6 +800,166 @@ impl ResolvedLaw {
             rows.zero_from,
             direction.map_or(0, |direction| direction.rows.zero_from),
         ]
+    }
+
+    /// What the `m` points of a block from `first` on have in common for all bins.
+    fn begin_block<const B: usize>(&self, first: usize, sticking: Sticking, m: usize, room: &mut Scratch<B>) {
+        let (tables, sets) = (&self.tables, &mut room.sets[..m]);
+        self.bins.copy_set_numbers(first, sets);
+        match sticking {
+            Sticking::Frictionless => room.mu.0 = [0.0; B],
+            Sticking::Coulomb | Sticking::Full => self.mu.copy_to(first, &mut room.mu.0[..m]),
+        }
+        for (i, &set) in sets.iter().enumerate() {
+            let set = set as usize;
+            room.hertz.0[i] = tables.hertz[set];
+            room.mindlin.0[i] = tables.mindlin[set];
+            room.onset.0[i] = tables.onset[set];
+        }
+    }
+
+    /// What slips at once, with its shares, where [`Annuli`] can tell of the way back through a step.
+    fn slipping_together(&self) -> Option<(HistoryRule, &[[f64; 2]])> {
+        let remembers_forces = !self.friction.presses() && !self.tables.yields && self.cone == Cone::Circle;
+        match &self.friction {
+            AsperityFriction::StickSlip(history) if remembers_forces => Some((*history, &[[1.0; 2]])),
+            AsperityFriction::Annuli(history, _) if remembers_forces => Some((*history, &self.shares)),
+            _ => None,
+        }
+    }
+
+    /// [`TractionLaw::transposed`] bin by bin.
+    fn transposed_blocks<const B: usize>(
+        &self,
+        (history, shares): (HistoryRule, &[[f64; 2]]),
+        of: &Input<'_>,
+        way: WayBack,
+        adjoints: &mut [Adjoint<'_>],
+    ) {
+        let Input { points, jump, begin } = of;
+        let (tables, stiffness) = (&self.tables, history.needs().stiffness);
+        let (n, n_state) = (points.len(), self.info.n_state());
+        let (n_memory, _) = self.memories();
+        let mut room = Scratch::<B>::new(self.cone);
+        let mut slopes = Slopes::new(shares.len());
+        let mut sums = vec![[Lanes([0.0; B]); 6]; adjoints.len()];
+        for start in (0..n).step_by(B) {
+            let block = start..n.min(start + B);
+            let m = block.len();
+            self.begin_block(points.start + start, Sticking::Coulomb, m, &mut room);
+            let Scratch {
+                sets,
+                gap,
+                density,
+                hertz,
+                mindlin,
+                mu,
+                fill,
+                approach,
+                u_n,
+                middle,
+                curves,
+                workspace,
+                bin,
+                ..
+            } = &mut room;
+            let sets = &sets[..m];
+            let one_set = common(sets);
+            let jump = part(&[jump.x, jump.y, jump.n], &block);
+            let begin_at = |c: usize| &begin.component(c, n)[block.clone()];
+            let begun = [0, 1, 2].map(begin_at);
+            *fill = spread_nan(jump, *begin, &block, n_state);
+            sums.fill([*fill; 6]);
+            for j in 0..tables.n_bins {
+                tables.gather(&tables.gaps, j, sets, one_set, &mut gap.0[..m]);
+                tables.gather(&tables.densities, j, sets, one_set, &mut density.0[..m]);
+                let base = N_JUMP + j * n_memory;
+                run(Elastic {
+                    u_n: jump[2],
+                    u_n0: begun[2],
+                    gap,
+                    fill,
+                    hertz,
+                    approach,
+                });
+                let mut present = Present::default();
+                run(Close {
+                    halfway: stiffness == StiffnessAt::Middle,
+                    fill,
+                    approach,
+                    u_n,
+                    middle,
+                    present: &mut present,
+                });
+                if !present.closed {
+                    let are_open = tables.are_open_from(j + 1, sets, jump[2]);
+                    let until = if are_open { n_state } else { base + n_memory };
+                    for Adjoint { history, .. } in &mut *adjoints {
+                        for c in base..until {
+                            let values = &mut history.data[c * history.stride + history.offset + start..][..m];
+                            for (value, fill) in values.iter_mut().zip(&fill.0) {
+                                *value = way.before(*value, *fill);
+                            }
+                        }
+                    }
+                    if are_open {
+                        break;
+                    }
+                    continue;
+                }
+                run(Hertz {
+                    u_n,
+                    middle,
+                    approach,
+                    hertz,
+                    mindlin,
+                    dented: false,
+                    at_end: stiffness == StiffnessAt::End,
+                    curvature: history.needs().curvature,
+                    curves,
+                });
+                history.annuli(Annuli {
+                    shares,
+                    jump: [jump[0], jump[1], &approach.u_n.0[..m]],
+                    begin: [begun[0], begun[1], &approach.u_n0.0[..m]],
+                    reclosed: present.reclosed,
+                    mu: &mu.0[..m],
+                    mu_slope: &mu.0[..m],
+                    u_n,
+                    curves,
+                    unlimited: false,
+                    memory: (&begin.data[base * begin.stride + begin.offset + start..], begin.stride),
+                    end: (&mut [], 0),
+                    traction: &mut bin.traction,
+                    tangent: None,
+                    regimes: &mut workspace.regime,
+                    slopes: Some(&mut slopes),
+                });
+                for (adjoint, sums) in adjoints.iter_mut().zip(&mut sums) {
+                    let Adjoint { history, traction, .. } = adjoint;
+                    let first = base * history.stride + history.offset + start;
+                    run(AnnuliBack {
+                        way,
+                        shares,
+                        slopes: &slopes,
+                        density,
+                        traction: part(&[traction.x, traction.y, traction.n], &block),
+                        history: (&mut history.data[first..], history.stride),
+                        sums,
+                    });
+                }
+            }
+            for (Adjoint { history, jump, .. }, sums) in adjoints.iter_mut().zip(&sums) {
+                let ComponentsMut { x, y, n } = jump;
+                for (c, into) in [x, y, n].into_iter().enumerate() {
+                    let values = &mut history.data[c * history.stride + history.offset + start..][..m];
+                    for (i, (value, into)) in values.iter_mut().zip(&mut into[block.clone()]).enumerate() {
+                        *into = way.of_end(*value) + sums[c].0[i];
+                        *value = way.before(*value, sums[N_JUMP + c].0[i]);
+                    }
+                }
+            }
+        }
     }
 
     /// The asperities of a bin at one point, annulus by annulus.
@@ -998,7 +1152,8 @@ impl TractionLaw for ResolvedLaw {
 
     evaluates_by!(evaluate_blocks in blocks);
 
-    /// By a derivative for each number of the jump, of what an annulus remembers and of a dent: bins share nothing but the jump, annuli the dent.
+    /// Without yield bin by bin, where the derivatives of what its asperities do serve all adjoints. Otherwise by a derivative for each number of the
+    /// jump, of what an annulus remembers and of a dent: bins share nothing but the jump, annuli the dent.
     fn transposed(
         &self,
         points: Range<usize>,
@@ -1008,14 +1163,18 @@ impl TractionLaw for ResolvedLaw {
         adjoints: &mut [Adjoint<'_>],
     ) {
         check_points(&points, self);
+        let input = Input { points, jump, begin };
+        if let Some(slipping) = self.slipping_together() {
+            return self.transposed_blocks::<BLOCK>(slipping, &input, way, adjoints);
+        }
         let n_bins = self.tables.n_bins;
         let (n_memory, n_dent) = self.memories();
         let per_bin = self.shares.len().max(1);
         let per_part = (n_memory - n_dent) / per_bin;
         let of_bin = |bin: usize| N_JUMP + bin * n_memory..N_JUMP + (bin + 1) * n_memory;
-        let input = |state: Range<usize>| transposed::N_JUMP + state.start..transposed::N_JUMP + state.end;
+        let place = |state: Range<usize>| transposed::N_JUMP + state.start..transposed::N_JUMP + state.end;
         let motion = [Part {
-            input: 0..input(0..N_JUMP).end,
+            input: 0..place(0..N_JUMP).end,
             end: 0..self.info.n_state(),
             tractions: WHOLE,
         }];
@@ -1023,18 +1182,17 @@ impl TractionLaw for ResolvedLaw {
             let first = of_bin(part / per_bin).start + part % per_bin * per_part;
             let memory = first..first + per_part;
             Part {
-                input: input(memory.clone()),
+                input: place(memory.clone()),
                 end: memory,
                 tractions: WHOLE.end + part..WHOLE.end + part + 1,
             }
         });
         let dents = (0..n_bins).map(|bin| Part {
-            input: input(of_bin(bin).end - n_dent..of_bin(bin).end),
+            input: place(of_bin(bin).end - n_dent..of_bin(bin).end),
             end: of_bin(bin),
             tractions: WHOLE.end + bin * per_bin..WHOLE.end + (bin + 1) * per_bin,
         });
         let (forces, dents): (Vec<Part>, Vec<Part>) = (forces.collect(), dents.collect());
-        let input = Input { points, jump, begin };
         let passes: [&[Part]; 3] = [&motion, &forces, &dents];
         transposed::transposed(
             &input,
