@@ -12,6 +12,7 @@ use harmonic_balance::backbone::{self, Motion, MotionRate, Point};
 use joints::interface::{InterfaceForce, SceneInterface};
 use joints::progress::Progress;
 use joints::structure::{StructuralModel, Structure};
+use rayon::prelude::*;
 use reduction::ReducedModel;
 use scenes::{BoltBehaviour, EPMC, Influence, Parameter, Scene};
 use serde::{Deserialize, Serialize};
@@ -126,10 +127,11 @@ impl Neighbours {
             [] => None,
             _ => Some(Effects::try_new(scene, structure, Some(interface))?),
         };
-        for parameter in &scene.analyses.sensitivities {
-            if let Some(effects) = &effects {
-                effects.require(parameter)?;
-            }
+        let asked = scene.analyses.sensitivities.par_iter();
+        let required = asked.map(|parameter| effects.iter().try_for_each(|effects| effects.require(parameter)));
+        let required: Vec<Result<(), Error>> = required.collect();
+        for (parameter, required) in scene.analyses.sensitivities.iter().zip(required) {
+            required?;
             let is_structural = parameter.influence() == Influence::Structure;
             let is_left = scene.analyses.tightening.is_some() || (is_structural && is_locked);
             let beside = match is_left {
@@ -154,9 +156,8 @@ impl Neighbours {
                     Some(known) => known,
                     None => known.insert(structure.assemble()?),
                 };
-                let [above, below] = sides
-                    .each_ref()
-                    .map(|side| side.neighbour_of(known, &model.reduced, progress));
+                let reduced = |side: &Structure| side.neighbour_of(known, &model.reduced, progress);
+                let (above, below) = rayon::join(|| reduced(&sides[0]), || reduced(&sides[1]));
                 one.models = Some([above?, below?]);
             }
             all.push(one);

@@ -31,6 +31,8 @@ use crate::path::Path;
 use crate::prestress::Prestress;
 use contact_laws::{Sticking, WayBack};
 use dense_algebra::{SystemMatrixRef, dot};
+use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Accuracy of the linear solves, relative in the energy norm. Damping is the small difference of large parts, and so is its derivative.
 const TOLERANCE: f64 = 1e-9;
@@ -200,7 +202,7 @@ pub fn static_rates<'a, F: DifferentiableForce>(
         tangent
     });
     let stuck = Stuck::try_new(stiffness, pattern, &symmetrised(pattern, &full), force.reflections()).ok()?;
-    let of_change = |change: &Change<'_, F>| {
+    let of_change = |local: &mut Local<'_, F>, change: &Change<'_, F>| {
         let begin = change
             .force
             .map_or_else(|| force.no_change(), |parameter| force.initial_change(parameter));
@@ -214,7 +216,8 @@ pub fn static_rates<'a, F: DifferentiableForce>(
         local.along(&u[..nc], &rest, &displacement[..nc], &begin, change.force, &mut state);
         Some(StaticRate { displacement, state })
     };
-    changes.iter().map(of_change).collect()
+    let found = changes.par_iter().map_init(|| Local::new(force), of_change);
+    found.collect()
 }
 
 /// Change of a mode per unit of a parameter.
@@ -266,9 +269,8 @@ impl<'a, F: DifferentiableForce> Derivatives<'a, F> {
         };
         let (n, nc) = (followed.shape.len(), force.n_dofs());
         let u = &structure.displacement[..nc];
-        let mut local = Local::new(force);
-        let parameters = changes.into_iter().zip(statics).zip(modes);
-        let parameters = parameters.map(|((change, given), mode)| {
+        let parameters = changes.into_par_iter().zip(statics).zip(modes);
+        let of_parameter = |local: &mut Local<'a, F>, ((change, given), mode): ((Change<'a, F>, &StaticRate<F::State>), ModeRate)| {
             let mut unit = vec![0.0; n];
             structure.mass.multiply(&mode.shape, &mut unit);
             add_product(1.0, &change.mass, &followed.shape, &mut unit);
@@ -287,8 +289,8 @@ impl<'a, F: DifferentiableForce> Derivatives<'a, F> {
                 unit,
                 reference,
             }
-        });
-        let parameters = parameters.collect();
+        };
+        let parameters = parameters.map_init(|| Local::new(force), of_parameter).collect();
         Ok(Some(Self {
             force,
             mode,
@@ -326,14 +328,14 @@ fn mode_rates<F: DifferentiableForce>(
     let (phi, lambda) = (&mode.shape, mode.eigenvalue);
     let (n, nc) = (phi.len(), force.n_dofs());
     let pattern = force.pattern();
-    let mut workspace = force.workspace();
-    let mut tangent = vec![0.0; pattern.indices.len()];
     let border = Border {
         mass: structure.mass,
         lambda,
         inertia: &structure.stuck.response(&mode.unit.force),
     };
-    let of_change = |(change, state): (&Change<'_, F>, &StaticRate<F::State>)| {
+    let rooms = || (force.workspace(), vec![0.0; pattern.indices.len()]);
+    let of_change = |(workspace, tangent): &mut (F::Workspace, Vec<f64>),
+                     (change, state): (&Change<'_, F>, &StaticRate<F::State>)| {
         let mut rate = vec![0.0; tangent.len()];
         for side in [1.0, -1.0] {
             let u = structure.displacement[..nc].iter().zip(&state.displacement);
@@ -341,8 +343,8 @@ fn mode_rates<F: DifferentiableForce>(
             let mut begin = structure.state.clone();
             force.add_change(&mut begin, side * change.step, &state.state);
             let parameter = change.force.map(|parameter| (parameter, side * change.step));
-            force.stuck_tangent(&u, &begin, parameter, &mut workspace, &mut tangent);
-            let terms = rate.iter_mut().zip(&tangent);
+            force.stuck_tangent(&u, &begin, parameter, workspace, tangent);
+            let terms = rate.iter_mut().zip(&*tangent);
             terms.for_each(|(sum, t)| *sum += 0.5 * side / change.step * t);
         }
         let rate = crate::linear::symmetrised(pattern, &rate);
@@ -373,7 +375,8 @@ fn mode_rates<F: DifferentiableForce>(
         shape.iter_mut().zip(phi).for_each(|(s, phi)| *s += along * phi);
         Some(ModeRate { eigenvalue, shape })
     };
-    changes.iter().zip(statics).map(of_change).collect()
+    let found = changes.par_iter().zip(statics).map_init(rooms, of_change);
+    found.collect()
 }
 
 /// Remembers a loop for its derivatives.
@@ -388,7 +391,8 @@ struct Vertex<S> {
     at: f64,
     /// Displacements from the static state.
     v: Vec<f64>,
-    begin: S,
+    /// That of all vertices of a branch.
+    begin: Arc<S>,
     /// Whether the history that it leads to is the one that later vertices start from.
     is_committed: bool,
 }
@@ -422,7 +426,16 @@ impl<F: DifferentiableForce> Companion<'_, F> {
         let mut adjoints: [F::State; GOALS] = std::array::from_fn(|_| force.no_change());
         let mut by_displacement = vec![vec![0.0; nc]; GOALS];
         let mut by_parameter = vec![vec![0.0; parameters.len()]; GOALS];
+        let mut is_met = [false; GOALS];
         for (vertex, weight) in self.vertices.iter().zip(weights).rev() {
+            for (is_met, weight) in is_met.iter_mut().zip(weight) {
+                *is_met |= *weight != 0.0;
+            }
+            // A vertex without a weight counts for the later ones that begin in it.
+            let counts = |goal: usize| weight[goal] != 0.0 || (vertex.is_committed && is_met[goal]);
+            let Some(first) = (0..GOALS).find(|goal| counts(*goal)) else {
+                continue;
+            };
             let u = equilibrium.reference.iter().zip(&vertex.v);
             let u: Vec<f64> = u.map(|(u, v)| u + v).collect();
             force.evaluate(
@@ -436,16 +449,16 @@ impl<F: DifferentiableForce> Companion<'_, F> {
             );
             let mut back = |way, forces: &[Vec<f64>], parameters: &[Option<&F::Parameter>], to_u: &mut [Vec<f64>]| {
                 let (begin, workspace) = (&vertex.begin, &mut local.workspace);
-                let (adjoints, into) = (&mut adjoints, &mut by_parameter);
+                let (adjoints, into) = (&mut adjoints[first..], &mut by_parameter[first..]);
                 force.transposed(&u, begin, way, adjoints, forces, parameters, workspace, to_u, into);
             };
             match vertex.is_committed {
-                true => back(WayBack::JumpAlone, &[], &[], &mut by_displacement),
+                true => back(WayBack::JumpAlone, &[], &[], &mut by_displacement[first..]),
                 false => by_displacement.iter_mut().for_each(|values| values.fill(0.0)),
             }
             let mut solves = TransposedSolves::new(equilibrium.stuck, pattern, &tangent);
             let mut forces = Vec::with_capacity(GOALS);
-            for (goal, history) in by_displacement.iter().enumerate() {
+            for (goal, history) in by_displacement.iter().enumerate().skip(first) {
                 let mut right: Vec<f64> = path.unit.force.iter().map(|unit| weight[goal] * unit).collect();
                 right.iter_mut().zip(history).for_each(|(r, own)| *r += own);
                 let found = match solves.solve(&right, TOLERANCE) {
@@ -461,26 +474,26 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 true => WayBack::Committed,
                 false => WayBack::Passed,
             };
-            back(way, &forces, &of_force, &mut by_displacement);
+            back(way, &forces, &of_force, &mut by_displacement[first..]);
             for (at, (sum, parameter)) in sums.iter_mut().zip(parameters).enumerate() {
                 let mut right: Vec<f64> = parameter.unit.iter().map(|unit| vertex.at * unit).collect();
                 let terms = right.iter_mut().zip(&parameter.reference);
                 terms.for_each(|(r, reference)| *r += reference);
                 add_product(-1.0, &parameter.change.stiffness, &vertex.v, &mut right);
                 let amplitude = dot(&parameter.unit, &vertex.v);
-                for (goal, sum) in sum.iter_mut().enumerate() {
-                    *sum += weight[goal] * amplitude + dot(&forces[goal], &right) + by_parameter[goal][at];
+                for (goal, sum) in sum.iter_mut().enumerate().skip(first) {
+                    *sum += weight[goal] * amplitude + dot(&forces[goal - first], &right) + by_parameter[goal][at];
                     *sum += dot(&by_displacement[goal], &parameter.state.displacement);
                 }
             }
             if let Some(by_force) = sums.last_mut() {
                 // All forces of the loop grow with its peak.
-                for (sum, m) in by_force.iter_mut().zip(&forces) {
+                for (sum, m) in by_force[first..].iter_mut().zip(&forces) {
                     *sum += vertex.at * dot(m, &path.unit.force);
                 }
             }
         }
-        let start = self.vertices.first().map(|vertex| &vertex.begin);
+        let start = self.vertices.first().map(|vertex| &*vertex.begin);
         for (sum, parameter) in sums.iter_mut().zip(parameters) {
             for (sum, adjoint) in sum.iter_mut().zip(&adjoints) {
                 *sum += force.product(adjoint, &parameter.state.state);
@@ -495,10 +508,12 @@ impl<F: DifferentiableForce> Companion<'_, F> {
 
 impl<F: DifferentiableForce> Follower<F> for Companion<'_, F> {
     fn vertex(&mut self, path: &Path<'_, F>) {
+        let known = self.vertices.last().filter(|last| !last.is_committed);
+        let begin = known.map(|last| last.begin.clone());
         self.vertices.push(Vertex {
             at: path.at,
             v: path.sequence.motion.v.clone(),
-            begin: path.sequence.begin.clone(),
+            begin: begin.unwrap_or_else(|| Arc::new(path.sequence.begin.clone())),
             is_committed: false,
         });
     }

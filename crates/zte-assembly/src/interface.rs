@@ -80,7 +80,11 @@ impl State {
     /// If they belong to different interfaces.
     pub fn product(&self, change: &Self) -> f64 {
         assert_eq!(self.values.len(), change.values.len());
-        self.values.iter().zip(&change.values).map(|(a, b)| a * b).sum()
+        let of_tile = |tile: &Stored| {
+            let [a, b] = [self, change].map(|state| &state.values[tile.kept()]);
+            a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>()
+        };
+        self.tiles.iter().map(of_tile).sum()
     }
 
     /// `self += factor * change`.
@@ -564,7 +568,8 @@ impl Interface {
     /// of that.
     pub fn at_start(&self, begin: &State, adjoint: &State, variation: &Variation) -> f64 {
         let of_tile = |tile: Tile<'_>| {
-            let [begin, adjoint] = [begin, adjoint].map(|state| &state.values[tile.states.clone()]);
+            let kept = begin.tiles[tile.number].kept();
+            let [begin, adjoint] = [begin, adjoint].map(|state| &state.values[kept.clone()]);
             variation.scalings[tile.index].at_start(tile.of_law, begin, adjoint)
         };
         self.tiles().map(of_tile).sum()

@@ -381,84 +381,96 @@ pub(crate) struct AnnuliBack<'a, const B: usize> {
 
 impl<const B: usize> Pass for AnnuliBack<'_, B> {
     #[inline(always)]
-    fn run<const FMA: bool>(mut self) {
-        let m = self.traction[0].len().min(B);
-        let wide = m - m % WIDTH;
-        // Known where the loops are compiled.
-        macro_rules! back {
-            ($way:ident) => {{
-                for first in (0..wide).step_by(WIDTH) {
-                    back::<WIDTH, B>(WayBack::$way, &mut self, first);
-                }
-                for first in wide..m {
-                    back::<1, B>(WayBack::$way, &mut self, first);
-                }
-            }};
+    fn run<const FMA: bool>(self) {
+        let Self {
+            way,
+            shares,
+            slopes,
+            density,
+            traction: [t_x, t_y, t_n],
+            history: (history, stride),
+            sums: [to_x, to_y, to_n, to_begin_x, to_begin_y, to_begin_n],
+        } = self;
+        let m = t_x.len().min(B);
+        // Adjoints of the stuck trial and, of the slip limit, what it moves along the directions.
+        let [mut trial_x, mut trial_y, mut limit] = [Lanes([0.0; B]); 3];
+        // Row by row, in the order in which histories lie in memory.
+        for ((slip, share), history) in slopes.annuli.iter().zip(shares).zip(history.chunks_mut(2 * stride)) {
+            let (history_x, history_y) = history.split_at_mut(stride);
+            let (history_x, history_y) = (&mut history_x[..m], &mut history_y[..m]);
+            let [d_x, d_y] = &slip.direction;
+            macro_rules! back {
+                ($way:ident) => {
+                    annulus_back(
+                        // Known where the loop is compiled.
+                        WayBack::$way,
+                        *share,
+                        &slip.left,
+                        d_x,
+                        d_y,
+                        density,
+                        t_x,
+                        t_y,
+                        history_x,
+                        history_y,
+                        &mut trial_x,
+                        &mut trial_y,
+                        &mut limit,
+                    )
+                };
+            }
+            match way {
+                WayBack::Committed => back!(Committed),
+                WayBack::Passed => back!(Passed),
+                WayBack::JumpAlone => back!(JumpAlone),
+            }
         }
-        match self.way {
-            WayBack::Committed => back!(Committed),
-            WayBack::Passed => back!(Passed),
-            WayBack::JumpAlone => back!(JumpAlone),
+        let [[x_by_u, x_by_n, x_by_u0, x_by_n0], [y_by_u, y_by_n, y_by_u0, y_by_n0]] = &slopes.trial;
+        for i in 0..m {
+            let (x, y) = (trial_x.0[i], trial_y.0[i]);
+            let pressing = slopes.limit.0[i] * limit.0[i] + density.0[i] * slopes.normal.0[i] * t_n[i];
+            to_x.0[i] += x_by_u.0[i] * x;
+            to_y.0[i] += y_by_u.0[i] * y;
+            to_n.0[i] += x_by_n.0[i] * x + y_by_n.0[i] * y + pressing;
+            to_begin_x.0[i] += x_by_u0.0[i] * x;
+            to_begin_y.0[i] += y_by_u0.0[i] * y;
+            to_begin_n.0[i] += x_by_n0.0[i] * x + y_by_n0.0[i] * y;
         }
     }
 }
 
-/// `W` points from one on.
+/// One annulus of [`AnnuliBack`]. Every array is an argument of its own, because that alone tells the compiler that they do not overlap.
 #[inline(always)]
-fn back<const W: usize, const B: usize>(way: WayBack, of: &mut AnnuliBack<'_, B>, first: usize) {
-    let zero = [0.0; W];
-    macro_rules! at {
-        ($values:expr) => {
-            lanes::<W>(&$values[first..])
-        };
-    }
-    let [t_x, t_y, t_n] = of.traction;
-    let (density, t_x, t_y, t_n) = (at!(of.density.0), at!(t_x), at!(t_y), at!(t_n));
-    let (mut sum_x, mut sum_y, mut slipping) = (zero, zero, zero);
-    let (history, stride) = &mut of.history;
-    for (annulus, (slip, &[of_limit, of_stiffness])) in of.slopes.annuli.iter().zip(of.shares).enumerate() {
-        let row = 2 * annulus * *stride + first;
-        let [d_x, d_y] = &slip.direction;
-        let (left, d_x, d_y) = (at!(slip.left.0), at!(d_x.0), at!(d_y.0));
-        let (mut after_x, mut after_y) = (zero, zero);
-        after_x.copy_from_slice(&history[row..][..W]);
-        after_y.copy_from_slice(&history[row + *stride..][..W]);
-        for i in 0..W {
-            let force_x = way.of_end(after_x[i]) + density[i] * t_x[i];
-            let force_y = way.of_end(after_y[i]) + density[i] * t_y[i];
-            let along = d_x[i] * force_x + d_y[i] * force_y;
-            let trial_x = left[i] * (force_x - along * d_x[i]);
-            let trial_y = left[i] * (force_y - along * d_y[i]);
-            sum_x[i] += of_stiffness * trial_x;
-            sum_y[i] += of_stiffness * trial_y;
-            slipping[i] += of_limit * along;
-            after_x[i] = way.before(after_x[i], trial_x);
-            after_y[i] = way.before(after_y[i], trial_y);
-        }
+fn annulus_back<const B: usize>(
+    way: WayBack,
+    [of_limit, of_stiffness]: [f64; 2],
+    left: &Lanes<f64, B>,
+    d_x: &Lanes<f64, B>,
+    d_y: &Lanes<f64, B>,
+    density: &Lanes<f64, B>,
+    t_x: &[f64],
+    t_y: &[f64],
+    history_x: &mut [f64],
+    history_y: &mut [f64],
+    trial_x: &mut Lanes<f64, B>,
+    trial_y: &mut Lanes<f64, B>,
+    limit: &mut Lanes<f64, B>,
+) {
+    let m = t_x.len().min(B);
+    let (t_x, t_y) = (&t_x[..m], &t_y[..m]);
+    let (history_x, history_y) = (&mut history_x[..m], &mut history_y[..m]);
+    for i in 0..m {
+        let force_x = way.of_end(history_x[i]) + density.0[i] * t_x[i];
+        let force_y = way.of_end(history_y[i]) + density.0[i] * t_y[i];
+        let along = d_x.0[i] * force_x + d_y.0[i] * force_y;
+        let through_x = left.0[i] * (force_x - along * d_x.0[i]);
+        let through_y = left.0[i] * (force_y - along * d_y.0[i]);
+        trial_x.0[i] += of_stiffness * through_x;
+        trial_y.0[i] += of_stiffness * through_y;
+        limit.0[i] += of_limit * along;
         if way != WayBack::JumpAlone {
-            history[row..][..W].copy_from_slice(&after_x);
-            history[row + *stride..][..W].copy_from_slice(&after_y);
+            history_x[i] = way.before(history_x[i], through_x);
+            history_y[i] = way.before(history_y[i], through_y);
         }
-    }
-    let [of_x, of_y] = &of.slopes.trial;
-    let (limit, normal) = (at!(of.slopes.limit.0), at!(of.slopes.normal.0));
-    let [x_by_u, x_by_n, x_by_u0, x_by_n0] = of_x.each_ref().map(|values| at!(values.0));
-    let [y_by_u, y_by_n, y_by_u0, y_by_n0] = of_y.each_ref().map(|values| at!(values.0));
-    for (sum, (x, y)) in [
-        (0, (x_by_u, zero)),
-        (1, (zero, y_by_u)),
-        (2, (x_by_n, y_by_n)),
-        (3, (x_by_u0, zero)),
-        (4, (zero, y_by_u0)),
-        (5, (x_by_n0, y_by_n0)),
-    ] {
-        let mut values = at!(of.sums[sum].0);
-        for i in 0..W {
-            values[i] += x[i] * sum_x[i] + y[i] * sum_y[i];
-            if sum == 2 {
-                values[i] += limit[i] * slipping[i] + density[i] * normal[i] * t_n[i];
-            }
-        }
-        of.sums[sum].0[first..][..W].copy_from_slice(&values);
     }
 }

@@ -843,6 +843,8 @@ impl ResolvedLaw {
         let mut room = Scratch::<B>::new(self.cone);
         let mut slopes = Slopes::new(shares.len());
         let mut sums = vec![[Lanes([0.0; B]); 6]; adjoints.len()];
+        // Component from which on nothing was written.
+        let mut untouched = 0;
         for start in (0..n).step_by(B) {
             let block = start..n.min(start + B);
             let m = block.len();
@@ -870,6 +872,7 @@ impl ResolvedLaw {
             let begun = [0, 1, 2].map(begin_at);
             *fill = spread_nan(jump, *begin, &block, n_state);
             sums.fill([*fill; 6]);
+            let mut open_from = n_state;
             for j in 0..tables.n_bins {
                 tables.gather(&tables.gaps, j, sets, one_set, &mut gap.0[..m]);
                 tables.gather(&tables.densities, j, sets, one_set, &mut density.0[..m]);
@@ -894,8 +897,15 @@ impl ResolvedLaw {
                 if !present.closed {
                     let are_open = tables.are_open_from(j + 1, sets, jump[2]);
                     let until = if are_open { n_state } else { base + n_memory };
+                    let is_finite = fill.0[..m].iter().all(|fill| *fill == 0.0);
                     for Adjoint { history, .. } in &mut *adjoints {
-                        for c in base..until {
+                        // Nothing comes through an open bin.
+                        let written = match (way, is_finite) {
+                            (WayBack::JumpAlone, _) | (WayBack::Passed, true) => base..base,
+                            (WayBack::Passed, false) => base..until,
+                            (WayBack::Committed, _) => base..until.min(history.zero_from).max(base),
+                        };
+                        for c in written {
                             let values = &mut history.data[c * history.stride + history.offset + start..][..m];
                             for (value, fill) in values.iter_mut().zip(&fill.0) {
                                 *value = way.before(*value, *fill);
@@ -903,6 +913,7 @@ impl ResolvedLaw {
                         }
                     }
                     if are_open {
+                        open_from = if is_finite { base } else { n_state };
                         break;
                     }
                     continue;
@@ -949,6 +960,7 @@ impl ResolvedLaw {
                     });
                 }
             }
+            untouched = untouched.max(open_from);
             for (Adjoint { history, jump, .. }, sums) in adjoints.iter_mut().zip(&sums) {
                 let ComponentsMut { x, y, n } = jump;
                 for (c, into) in [x, y, n].into_iter().enumerate() {
@@ -958,6 +970,15 @@ impl ResolvedLaw {
                         *value = way.before(*value, sums[N_JUMP + c].0[i]);
                     }
                 }
+            }
+        }
+        for Adjoint { history, .. } in adjoints {
+            if let Some(leaves) = &mut history.leaves_zeros_from {
+                **leaves = match way {
+                    WayBack::JumpAlone => history.zero_from,
+                    WayBack::Passed => history.zero_from.max(untouched),
+                    WayBack::Committed => untouched,
+                };
             }
         }
     }
