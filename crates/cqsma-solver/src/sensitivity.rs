@@ -32,7 +32,7 @@ use crate::prestress::Prestress;
 use contact_laws::{Sticking, WayBack};
 use dense_algebra::{SystemMatrixRef, dot};
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Accuracy of the linear solves, relative in the energy norm. Damping is the small difference of large parts, and so is its derivative.
 const TOLERANCE: f64 = 1e-9;
@@ -234,6 +234,8 @@ pub struct Derivatives<'a, F: DifferentiableForce> {
     force: &'a F,
     mode: usize,
     parameters: Vec<ParameterRate<'a, F>>,
+    /// Room for begin states, which loops leave to one another: it is long before memory that was given back can be written again.
+    spare: Mutex<Vec<F::State>>,
 }
 
 /// How what motions of a mode start from changes with a parameter, per unit of it.
@@ -270,31 +272,33 @@ impl<'a, F: DifferentiableForce> Derivatives<'a, F> {
         let (n, nc) = (followed.shape.len(), force.n_dofs());
         let u = &structure.displacement[..nc];
         let parameters = changes.into_par_iter().zip(statics).zip(modes);
-        let of_parameter = |local: &mut Local<'a, F>, ((change, given), mode): ((Change<'a, F>, &StaticRate<F::State>), ModeRate)| {
-            let mut unit = vec![0.0; n];
-            structure.mass.multiply(&mode.shape, &mut unit);
-            add_product(1.0, &change.mass, &followed.shape, &mut unit);
-            let state = StaticRate {
-                displacement: given.displacement[..nc].to_vec(),
-                state: given.state.clone(),
+        let of_parameter =
+            |local: &mut Local<'a, F>, ((change, given), mode): ((Change<'a, F>, &StaticRate<F::State>), ModeRate)| {
+                let mut unit = vec![0.0; n];
+                structure.mass.multiply(&mode.shape, &mut unit);
+                add_product(1.0, &change.mass, &followed.shape, &mut unit);
+                let state = StaticRate {
+                    displacement: given.displacement[..nc].to_vec(),
+                    state: given.state.clone(),
+                };
+                let mut d_end = force.no_change();
+                let (d_u, d_begin) = (&state.displacement, &state.state);
+                let reference = local.along(u, &structure.state, d_u, d_begin, change.force, &mut d_end);
+                let reference = reference.to_vec();
+                ParameterRate {
+                    change,
+                    state,
+                    mode,
+                    unit,
+                    reference,
+                }
             };
-            let mut d_end = force.no_change();
-            let (d_u, d_begin) = (&state.displacement, &state.state);
-            let reference = local.along(u, &structure.state, d_u, d_begin, change.force, &mut d_end);
-            let reference = reference.to_vec();
-            ParameterRate {
-                change,
-                state,
-                mode,
-                unit,
-                reference,
-            }
-        };
         let parameters = parameters.map_init(|| Local::new(force), of_parameter).collect();
         Ok(Some(Self {
             force,
             mode,
             parameters,
+            spare: Mutex::default(),
         }))
     }
 
@@ -506,14 +510,36 @@ impl<F: DifferentiableForce> Companion<'_, F> {
     }
 }
 
+impl<F: DifferentiableForce> Drop for Companion<'_, F> {
+    fn drop(&mut self) {
+        if let Ok(mut spare) = self.shared.spare.lock() {
+            let begins = self
+                .vertices
+                .drain(..)
+                .filter_map(|vertex| Arc::into_inner(vertex.begin));
+            spare.extend(begins);
+        }
+    }
+}
+
 impl<F: DifferentiableForce> Follower<F> for Companion<'_, F> {
     fn vertex(&mut self, path: &Path<'_, F>) {
         let known = self.vertices.last().filter(|last| !last.is_committed);
-        let begin = known.map(|last| last.begin.clone());
+        let begin = known.map(|last| last.begin.clone()).unwrap_or_else(|| {
+            let begin = &path.sequence.begin;
+            let spare = self.shared.spare.lock().ok().and_then(|mut spare| spare.pop());
+            Arc::new(match spare {
+                Some(mut room) => {
+                    room.clone_from(begin);
+                    room
+                }
+                None => begin.clone(),
+            })
+        });
         self.vertices.push(Vertex {
             at: path.at,
             v: path.sequence.motion.v.clone(),
-            begin: begin.unwrap_or_else(|| Arc::new(path.sequence.begin.clone())),
+            begin,
             is_committed: false,
         });
     }

@@ -252,11 +252,18 @@ fn some<R: FrictionRule, const TANGENT: bool, const BACK: bool, const SCALED: bo
                         traction: 0.0,
                         stretch: 0.0,
                     };
-                    let still = StiffnessChange { value: 0.0, slope: 0.0 };
+                    let still = StiffnessChange {
+                        value: 0.0,
+                        slope: 0.0,
+                    };
                     let reclosing = PathChange {
                         du: 0.0,
                         du_n: -1.0,
-                        share: if reopened { bounded(share[i] / (w[i] - w_0[i])) } else { 0.0 },
+                        share: if reopened {
+                            bounded(share[i] / (w[i] - w_0[i]))
+                        } else {
+                            0.0
+                        },
                         ..begun
                     };
                     let stiffening = StiffnessChange {

@@ -21,6 +21,7 @@ use crate::law::{Components, ComponentsMut, Quantity, StateView, StateViewMut, S
 #[cfg(not(feature = "std"))]
 use crate::math::Float as _;
 use crate::transposed::Adjoint;
+use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -244,13 +245,23 @@ impl Scaling {
             .iter()
             .zip(begin.chunks_exact(n))
             .zip(adjoint.chunks_exact(n));
-        let of_kind = |((&kind, values), adjoints): ((&Kind, &[f64]), &[f64])| {
-            let points = rates.iter().zip(values).zip(adjoints);
-            points
-                .map(|((rate, value), adjoint)| rate.of(kind) * value * adjoint)
-                .sum::<f64>()
+        // Histories have many numbers of few kinds.
+        let mut products: Vec<(Kind, Vec<f64>)> = Vec::new();
+        for ((&kind, values), adjoints) in components {
+            let place = products.iter().position(|(known, _)| *known == kind);
+            let place = place.unwrap_or_else(|| {
+                products.push((kind, vec![0.0; n]));
+                products.len() - 1
+            });
+            let sums = products[place].1.iter_mut();
+            let terms = values.iter().zip(adjoints).map(|(value, adjoint)| value * adjoint);
+            sums.zip(terms).for_each(|(sum, term)| *sum += term);
+        }
+        let of_kind = |(kind, products): (Kind, Vec<f64>)| {
+            let points = rates.iter().zip(products);
+            points.map(|(rate, product)| rate.of(kind) * product).sum::<f64>()
         };
-        -components.map(of_kind).sum::<f64>()
+        -products.into_iter().map(of_kind).sum::<f64>()
     }
 
     /// Brings jump and begin state of points, `[component][point]` without holes, into the coordinates in which the law at the parameter's value plus
