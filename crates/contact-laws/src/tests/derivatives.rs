@@ -113,6 +113,40 @@ fn transposed(
     Ok(())
 }
 
+/// Adjoints of jump and history of some points before a step, at once.
+fn transposed_batch(
+    law: &dyn TractionLaw,
+    way: WayBack,
+    points: core::ops::Range<usize>,
+    at: &[([f64; 3], Vec<f64>)],
+    adjoints: &[Input],
+) -> Vec<Vec<f64>> {
+    let n = points.len();
+    let jump =
+        |of: &[([f64; 3], Vec<f64>)]| [0, 1, 2].map(|c| points.clone().map(|i| of[i].0[c]).collect::<Vec<f64>>());
+    let state = |of: &[([f64; 3], Vec<f64>)]| -> Vec<f64> {
+        let components = 0..law.info().n_state();
+        components
+            .flat_map(|c| points.clone().map(move |i| of[i].1[c]))
+            .collect()
+    };
+    let (u, begin, traction, mut history) = (jump(at), state(at), jump(adjoints), state(adjoints));
+    let mut to_jump = [0, 1, 2].map(|_| vec![0.0; n]);
+    let [x, y, z] = to_jump.each_mut();
+    let mut one = [Adjoint {
+        history: StateViewMut::new(&mut history, n, 0),
+        traction: Components::new(&traction[0], &traction[1], &traction[2]),
+        jump: ComponentsMut::new(x, y, z),
+    }];
+    let jump = Components::new(&u[0], &u[1], &u[2]);
+    law.transposed(points.clone(), jump, StateView::new(&begin, n, 0), way, &mut one);
+    let of_point = |i: usize| {
+        let numbers = to_jump.iter().map(|values| values[i]);
+        numbers.chain(history.chunks_exact(n).map(|values| values[i])).collect()
+    };
+    (0..n).map(of_point).collect()
+}
+
 /// Steps with commits: the bits of the evaluation, its tangent, differences, linearity.
 fn follow(
     law: &dyn TractionLaw,
@@ -413,6 +447,15 @@ proptest! {
                 }
                 at.push((u, state));
                 along.push(d);
+            }
+            // On the way back the adjoints are as large as the directions. Spoilt points are beside others here, and zeros of open parts have either sign.
+            for way in [WayBack::Committed, WayBack::Passed, WayBack::JumpAlone] {
+                let whole = transposed_batch(&*law, way, 0..n, &at, &along);
+                for (i, whole) in whole.iter().enumerate().filter(|(i, _)| points[*i].1 > 3) {
+                    let alone = transposed_batch(&*law, way, i..i + 1, &at, &along);
+                    prop_assert!(whole.iter().all(|v| v.is_finite()), "{} {whole:?}", law.info().name);
+                    prop_assert_eq!(&alone[0], whole, "{}", law.info().name);
+                }
             }
             for sticking in [Sticking::Coulomb, Sticking::Full, Sticking::Frictionless] {
                 let whole = derivative_batch(&*law, sticking, once(0..n), &at, &along);
