@@ -1149,7 +1149,7 @@ impl ResolvedLaw {
                     StiffnessAt::Middle => middle.0[i] + approach.depth.0[i],
                 };
                 if at > limit {
-                    let radius = asperity.loading(at).radius;
+                    let radius = asperity.loading_radius(at);
                     let modulus = asperity.tangential_modulus();
                     for q in 0..2 {
                         curves.tangential[q].0[i] = modulus * radius.value;

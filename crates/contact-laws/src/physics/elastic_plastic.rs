@@ -238,11 +238,20 @@ impl Asperity {
         }
     }
 
+    /// Contact radius (m) of [`Self::loading`] alone, which takes less.
+    pub(crate) fn loading_radius(&self, w: f64) -> Jet {
+        match &self.plastic {
+            _ if w <= 0.0 => Jet::default(),
+            Some(plastic) if w > plastic.onset && plastic.curves == YieldCurves::Published => plastic.radius(self, w),
+            _ => self.hertzian(w).radius,
+        }
+    }
+
     /// Contact radius (m) at first loading to the interference `w` (m) by the published curves, whichever are in use.
     pub fn published_contact_radius(&self, w: f64) -> f64 {
         match &self.plastic {
             _ if w <= 0.0 => 0.0,
-            Some(plastic) if w > ONSET * plastic.delta_y => plastic.loading(self, w).radius.value,
+            Some(plastic) if w > ONSET * plastic.delta_y => plastic.radius(self, w).value,
             _ => (self.radius * w).sqrt(),
         }
     }
@@ -373,14 +382,20 @@ impl Plastic {
         self.ceb_factor
     }
 
-    /// Published curves of first loading.
-    pub(super) fn loading(&self, asperity: &Asperity, w: f64) -> Contact {
-        let elastic = asperity.hertzian(w);
-        let radius = asperity.radius;
+    /// Interference up to where the formulas stay within the numbers, over `delta_y`, and the logarithm of that.
+    fn ratio(&self, w: f64) -> [Jet; 2] {
+        let ratio = Jet::variable(w.min(LARGEST_RATIO * self.delta_y)) * (1.0 / self.delta_y);
+        [ratio, ratio.ln()]
+    }
+
+    /// Published contact radius of first loading.
+    pub(super) fn radius(&self, asperity: &Asperity, w: f64) -> Jet {
+        self.radius_at(asperity, w, self.ratio(w))
+    }
+
+    fn radius_at(&self, asperity: &Asperity, w: f64, [ratio, log]: [Jet; 2]) -> Jet {
+        let (elastic, radius) = (asperity.hertzian(w).radius, asperity.radius);
         let w = Jet::variable(w.min(LARGEST_RATIO * self.delta_y));
-        let ratio = w * (1.0 / self.delta_y);
-        // Of all powers: that of a logarithm costs half as much as the power itself.
-        let log = ratio.ln();
         let growth = ((log - Jet::constant(ONSET.ln())) * (0.5 * self.exponent)).at_most(LARGEST_EXPONENT);
         // `pi C S R/(2 E*) = sqrt(R delta_y)`.
         let plastic_radius = ratio.power(0.5) * growth.exp() * (radius * self.delta_y).sqrt();
@@ -392,8 +407,16 @@ impl Plastic {
             }
             None => Jet::constant(1.0),
         };
-        let contact_radius = elastic.radius + (plastic_radius - elastic.radius) * share;
-        let pressure = pressure(radius, contact_radius);
+        elastic + (plastic_radius - elastic) * share
+    }
+
+    /// Published curves of first loading.
+    pub(super) fn loading(&self, asperity: &Asperity, w: f64) -> Contact {
+        let elastic = asperity.hertzian(w);
+        // Of all powers: that of a logarithm costs half as much as the power itself.
+        let [ratio, log] = self.ratio(w);
+        let contact_radius = self.radius_at(asperity, w, [ratio, log]);
+        let pressure = pressure(asperity.radius, contact_radius);
         let contained = ((log * (5.0 / 12.0)).exp() * -0.25).exp() * ratio.power(1.5);
         let full = Jet::constant(1.0) - ((log * (5.0 / 9.0)).exp() * (-1.0 / 25.0)).exp();
         let plastic = (contained + pressure * full * ratio * (4.0 / self.yield_factor)) * self.critical_force;

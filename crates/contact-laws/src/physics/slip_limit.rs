@@ -71,11 +71,11 @@ impl Asperity {
             AsperityLimit::ShearStrength => {
                 let radius = match self.unloading(dent) {
                     Some(unloading) if w <= dent.interference => {
-                        let loaded = yielding.loading(self, dent.interference).radius.value;
+                        let loaded = yielding.radius(self, dent.interference).value;
                         let range = dent.interference - unloading.residual_depth;
                         (Jet::variable((w - unloading.residual_depth).max(0.0)) * (1.0 / range)).power(0.5) * loaded
                     }
-                    _ if w > self.onset_of_yield() => yielding.loading(self, w).radius,
+                    _ if w > self.onset_of_yield() => yielding.radius(self, w),
                     _ => contact.radius,
                 };
                 Some(self.shear_strength(yielding, radius, force))
@@ -142,7 +142,7 @@ impl Asperity {
         Some(match limit {
             AsperityLimit::Coulomb => return None,
             AsperityLimit::ShearStrength => {
-                let loaded = yielding.loading(self, dent.interference).radius;
+                let loaded = yielding.radius(self, dent.interference);
                 let radius =
                     (beyond * range.power(-1.0)).power(0.5) * Jet::along(loaded.value, loaded.slope * past_change);
                 self.shear_strength(yielding, radius, force).slope
