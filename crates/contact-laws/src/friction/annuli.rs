@@ -35,9 +35,9 @@ pub(crate) struct Annuli<'a, const B: usize> {
     /// Of the asperity.
     pub(crate) curves: &'a CurveBlock<B>,
     pub(crate) unlimited: bool,
-    /// What annuli remember, from that of the first one at the first point on, and points from one component to the next.
-    pub(crate) memory: (&'a [f64], usize),
-    pub(crate) end: (&'a mut [f64], usize),
+    /// What annuli remember.
+    pub(crate) memory: States<&'a [f64]>,
+    pub(crate) end: States<&'a mut [f64]>,
     /// Of one asperity.
     pub(crate) traction: &'a mut [Lanes<f64, B>; 3],
     /// Row by row; those of the normal traction along the surface are not written.
@@ -46,6 +46,14 @@ pub(crate) struct Annuli<'a, const B: usize> {
     pub(crate) regimes: &'a mut Lanes<u64, B>,
     /// What the way back needs, in the place of answers: of all else that is written, nothing is.
     pub(crate) slopes: Option<&'a mut Slopes<B>>,
+}
+
+/// States from the component of the first annulus on.
+pub(crate) struct States<T> {
+    pub(crate) data: T,
+    /// Points from one component to the next, and the number of the first point.
+    pub(crate) stride: usize,
+    pub(crate) first: usize,
 }
 
 /// Annuli with their rule.
@@ -144,14 +152,23 @@ fn some<R: FrictionRule, const TANGENT: bool, const BACK: bool, const SCALED: bo
             rule.trial(Path { traction, ..path }, k)
         }};
     }
-    let (memory, stride) = annuli.memory;
+    // Pairs of rows, with one bound to look at each.
+    let States {
+        data,
+        stride,
+        first: place,
+    } = &annuli.memory;
+    let place = place + first;
+    let memories = data.chunks(2 * stride);
+    let ends = &mut annuli.end;
+    let (end_place, end_stride) = (ends.first + first, ends.stride);
+    let mut ends = ends.data.chunks_mut((2 * end_stride).max(1));
     let (mut sum_x, mut sum_y, mut sum_n, mut stuck) = (zero, zero, zero, zero);
     let (mut across_x, mut across_y, mut mixed) = (zero, zero, zero);
     let (mut towards_x, mut towards_y) = (zero, zero);
     let mut is_moderate = [true; W];
-    for (annulus, &[of_limit, of_stiffness]) in annuli.shares.iter().enumerate() {
-        let row = 2 * annulus * stride + first;
-        let (m_x, m_y): ([f64; W], [f64; W]) = (lanes(&memory[row..]), lanes(&memory[row + stride..]));
+    for (annulus, (&[of_limit, of_stiffness], memory)) in annuli.shares.iter().zip(memories).enumerate() {
+        let (m_x, m_y): ([f64; W], [f64; W]) = (lanes(&memory[place..]), lanes(&memory[place + stride..]));
         let (mut x, mut y, mut limit, mut square) = (zero, zero, zero, zero);
         let mut sticks = [true; W];
         for i in 0..W {
@@ -181,10 +198,11 @@ fn some<R: FrictionRule, const TANGENT: bool, const BACK: bool, const SCALED: bo
         for i in 0..W {
             stays[i] = if sticks[i] { 1.0 } else { 0.0 };
         }
-        if sticks != [true; W] {
+        let all_stick = sticks == [true; W];
+        if !all_stick {
             for i in 0..W {
                 // A limit of zero leaves nothing to differentiate and needs no direction.
-                let directed = if !sticks[i] & (limit[i] > 0.0) { 1.0 } else { 0.0 };
+                let directed = if limit[i] > 0.0 { 1.0 - stays[i] } else { 0.0 };
                 per_length[i] = directed / max(square[i], f64::MIN_POSITIVE).sqrt();
             }
         }
@@ -206,28 +224,43 @@ fn some<R: FrictionRule, const TANGENT: bool, const BACK: bool, const SCALED: bo
             into_y.0[first..][..W].copy_from_slice(&d_y);
             continue;
         }
-        for i in 0..W {
-            let (scaled_x, scaled_y, scale) = if SCALED { scaled(x[i], y[i]) } else { (x[i], y[i], 1.0) };
-            let (d_x, d_y) = (scaled_x * per_length[i], scaled_y * per_length[i]);
-            x[i] = stays[i] * x[i] + limit[i] * d_x + 0.0;
-            y[i] = stays[i] * y[i] + limit[i] * d_y + 0.0;
-            sum_x[i] += x[i];
-            sum_y[i] += y[i];
-            stuck[i] += stays[i];
-            if TANGENT {
-                let left = of_stiffness * (limit[i] * per_length[i] * scale);
-                let held = of_stiffness * stays[i];
-                across_x[i] += held + left * d_y * d_y;
-                across_y[i] += held + left * d_x * d_x;
-                mixed[i] -= left * d_x * d_y;
-                towards_x[i] += of_limit * d_x;
-                towards_y[i] += of_limit * d_y;
+        if all_stick {
+            // What the other loop gives, to the last bit.
+            for i in 0..W {
+                x[i] += 0.0;
+                y[i] += 0.0;
+                sum_x[i] += x[i];
+                sum_y[i] += y[i];
+                stuck[i] += 1.0;
+                if TANGENT {
+                    across_x[i] += of_stiffness;
+                    across_y[i] += of_stiffness;
+                }
+            }
+        } else {
+            for i in 0..W {
+                let (scaled_x, scaled_y, scale) = if SCALED { scaled(x[i], y[i]) } else { (x[i], y[i], 1.0) };
+                let (d_x, d_y) = (scaled_x * per_length[i], scaled_y * per_length[i]);
+                x[i] = stays[i] * x[i] + limit[i] * d_x + 0.0;
+                y[i] = stays[i] * y[i] + limit[i] * d_y + 0.0;
+                sum_x[i] += x[i];
+                sum_y[i] += y[i];
+                stuck[i] += stays[i];
+                if TANGENT {
+                    let left = of_stiffness * (limit[i] * per_length[i] * scale);
+                    let held = of_stiffness * stays[i];
+                    across_x[i] += held + left * d_y * d_y;
+                    across_y[i] += held + left * d_x * d_x;
+                    mixed[i] -= left * d_x * d_y;
+                    towards_x[i] += of_limit * d_x;
+                    towards_y[i] += of_limit * d_y;
+                }
             }
         }
-        let (end, stride) = &mut annuli.end;
-        let row = 2 * annulus * *stride + first;
-        end[row..][..W].copy_from_slice(&x);
-        end[row + *stride..][..W].copy_from_slice(&y);
+        if let Some(end) = ends.next() {
+            end[end_place..][..W].copy_from_slice(&x);
+            end[end_place + end_stride..][..W].copy_from_slice(&y);
+        }
     }
     if let (true, Some(slopes)) = (BACK, annuli.slopes.as_deref_mut()) {
         let (mu_slope, normal_slope) = (at!(annuli.mu_slope), at!(normal_slope.0));

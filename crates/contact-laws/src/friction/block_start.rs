@@ -1,5 +1,6 @@
 //! What the evaluation of a block begins with: the interferences at which its curves are needed, and what is present.
 
+use super::annuli::States;
 use super::rule::StiffnessAt;
 use crate::law::{StateView, StateViewMut};
 use crate::simd::bounds::{bounded, is_finite};
@@ -206,6 +207,15 @@ pub(crate) fn spread_nan<const B: usize>(
     fill
 }
 
+/// What states hold from a component and a point on.
+pub(crate) fn states_from(states: StateView<'_>, component: usize, point: usize) -> States<&[f64]> {
+    States {
+        data: &states.data[component * states.stride..],
+        stride: states.stride,
+        first: states.offset + point,
+    }
+}
+
 /// The states of a block's points.
 pub(crate) struct Rows<'a> {
     pub(crate) begin: StateView<'a>,
@@ -249,20 +259,21 @@ impl<'a> Rows<'a> {
         &self.begin.component(component, self.n)[self.block.clone()]
     }
 
-    /// What states hold from a component at the first point on, and how far the next component is.
-    pub(crate) fn begin_from(&self, component: usize) -> (&'a [f64], usize) {
-        let StateView {
-            data, stride, offset, ..
-        } = self.begin;
-        (&data[component * stride + offset + self.block.start..], stride)
+    /// What states hold from a component on.
+    pub(crate) fn begin_from(&self, component: usize) -> States<&'a [f64]> {
+        states_from(self.begin, component, self.block.start)
     }
 
     /// The same of the end states.
-    pub(crate) fn end_from(&mut self, component: usize) -> (&mut [f64], usize) {
+    pub(crate) fn end_from(&mut self, component: usize) -> States<&mut [f64]> {
         let StateViewMut {
             data, stride, offset, ..
         } = &mut self.end;
-        (&mut data[component * *stride + *offset + self.block.start..], *stride)
+        States {
+            data: &mut data[component * *stride..],
+            stride: *stride,
+            first: *offset + self.block.start,
+        }
     }
 
     /// `N` components from one on.

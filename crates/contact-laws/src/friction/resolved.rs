@@ -103,8 +103,8 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
-use super::annuli::{Annuli, AnnuliBack, Slopes};
-use super::block_start::{Present, Rows, common, gather, spread_nan};
+use super::annuli::{Annuli, AnnuliBack, Slopes, States};
+use super::block_start::{Present, Rows, common, gather, spread_nan, states_from};
 use super::cone::{BoxWorkspace, Cone, respond};
 use super::history_rule::HistoryRule;
 use super::radii::{Circle, CircleChange, MAX_RADII, Radii, Reaction};
@@ -939,8 +939,12 @@ impl ResolvedLaw {
                     u_n,
                     curves,
                     unlimited: false,
-                    memory: (&begin.data[base * begin.stride + begin.offset + start..], begin.stride),
-                    end: (&mut [], 0),
+                    memory: states_from(*begin, base, start),
+                    end: States {
+                        data: &mut [],
+                        stride: 0,
+                        first: 0,
+                    },
                     traction: &mut bin.traction,
                     tangent: None,
                     regimes: &mut workspace.regime,
