@@ -44,7 +44,7 @@ pub(crate) struct Annuli<'a, const B: usize> {
     pub(crate) tangent: Option<&'a mut [Lanes<f64, B>; 9]>,
     /// Those of all annuli, bit by bit.
     pub(crate) regimes: &'a mut Lanes<u64, B>,
-    /// What the way back needs, in the place of answers: of all else that is written, nothing is.
+    /// For what the way back needs; then nothing else is written.
     pub(crate) slopes: Option<&'a mut Slopes<B>>,
 }
 

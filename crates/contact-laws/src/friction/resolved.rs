@@ -126,7 +126,7 @@ use crate::physics::elastic_plastic::{Asperity, Dent, Unloading};
 use crate::physics::slip_limit::AsperityLimit;
 use crate::simd::bounds::{bounded, within};
 use crate::simd::elementary::{max, min};
-use crate::simd::{BLOCK, Lanes, Pass, part, part_mut, run};
+use crate::simd::{BLOCK, Lanes, Pass, SHORT_BLOCK, part, part_mut, run};
 use crate::transposed::{self, Adjoint, Input, Part, WHOLE, WayBack};
 use alloc::borrow::Cow;
 use alloc::format;
@@ -818,7 +818,8 @@ impl ResolvedLaw {
         }
     }
 
-    /// What slips at once, with its shares, where [`Annuli`] can tell of the way back through a step.
+    /// History rule and shares of annuli, or of whole asperities as one, of laws whose way back through a step [`AnnuliBack`] tells: those of which a
+    /// bin remembers nothing but its forces.
     fn slipping_together(&self) -> Option<(HistoryRule, &[[f64; 2]])> {
         let remembers_forces = !self.friction.presses() && !self.tables.yields && self.cone == Cone::Circle;
         match &self.friction {
@@ -1190,7 +1191,10 @@ impl TractionLaw for ResolvedLaw {
         check_points(&points, self);
         let input = Input { points, jump, begin };
         if let Some(slipping) = self.slipping_together() {
-            return self.transposed_blocks::<BLOCK>(slipping, &input, way, adjoints);
+            return match input.points.len() <= SHORT_BLOCK {
+                true => self.transposed_blocks::<SHORT_BLOCK>(slipping, &input, way, adjoints),
+                false => self.transposed_blocks::<BLOCK>(slipping, &input, way, adjoints),
+            };
         }
         let n_bins = self.tables.n_bins;
         let (n_memory, n_dent) = self.memories();
