@@ -6,6 +6,7 @@
 //! Squares of trials and limits are compared. Where these could overflow or vanish, which is far from what is physical, all is done again with powers
 //! of two taken off, and with the same bits for those that need none.
 
+use super::block_start::States;
 use super::return_map::{CLOSED, SLIP, STICK, TRACTION, jet, limit_slope, path, scaled, share_of};
 use super::rule::{FrictionRule, Path, PathChange, StiffnessAt, StiffnessChange};
 use crate::curves::CurveBlock;
@@ -35,7 +36,7 @@ pub(crate) struct Annuli<'a, const B: usize> {
     /// Of the asperity.
     pub(crate) curves: &'a CurveBlock<B>,
     pub(crate) unlimited: bool,
-    /// What annuli remember.
+    /// What annuli remember, from the component of the first one on.
     pub(crate) memory: States<&'a [f64]>,
     pub(crate) end: States<&'a mut [f64]>,
     /// Of one asperity.
@@ -46,14 +47,6 @@ pub(crate) struct Annuli<'a, const B: usize> {
     pub(crate) regimes: &'a mut Lanes<u64, B>,
     /// For what the way back needs; then nothing else is written.
     pub(crate) slopes: Option<&'a mut Slopes<B>>,
-}
-
-/// States from the component of the first annulus on.
-pub(crate) struct States<T> {
-    pub(crate) data: T,
-    /// Points from one component to the next, and the number of the first point.
-    pub(crate) stride: usize,
-    pub(crate) first: usize,
 }
 
 /// Annuli with their rule.

@@ -1,6 +1,5 @@
 //! What the evaluation of a block begins with: the interferences at which its curves are needed, and what is present.
 
-use super::annuli::States;
 use super::rule::StiffnessAt;
 use crate::law::{StateView, StateViewMut};
 use crate::simd::bounds::{bounded, is_finite};
@@ -205,6 +204,14 @@ pub(crate) fn spread_nan<const B: usize>(
         });
     }
     fill
+}
+
+/// States from a component on.
+pub(crate) struct States<T> {
+    pub(crate) data: T,
+    /// Points from one component to the next, and the number of the first point.
+    pub(crate) stride: usize,
+    pub(crate) first: usize,
 }
 
 /// What states hold from a component and a point on.

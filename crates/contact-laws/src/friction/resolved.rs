@@ -103,8 +103,8 @@
 //! ```
 #![doc = include_str!("../../katex.html")]
 
-use super::annuli::{Annuli, AnnuliBack, Slopes, States};
-use super::block_start::{Present, Rows, common, gather, spread_nan, states_from};
+use super::annuli::{Annuli, AnnuliBack, Slopes};
+use super::block_start::{Present, Rows, States, common, gather, spread_nan, states_from};
 use super::cone::{BoxWorkspace, Cone, respond};
 use super::history_rule::HistoryRule;
 use super::radii::{Circle, CircleChange, MAX_RADII, Radii, Reaction};
