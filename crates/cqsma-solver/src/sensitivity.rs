@@ -32,7 +32,7 @@ use crate::prestress::Prestress;
 use contact_laws::{Sticking, WayBack};
 use dense_algebra::{SystemMatrixRef, dot};
 use rayon::prelude::*;
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 
 /// Accuracy of the linear solves, relative in the energy norm. Damping is the small difference of large parts, and so is its derivative.
 const TOLERANCE: f64 = 1e-9;
@@ -395,8 +395,7 @@ struct Vertex<S> {
     at: f64,
     /// Displacements from the static state.
     v: Vec<f64>,
-    /// That of all vertices of a branch.
-    begin: Arc<S>,
+    begin: S,
     /// Whether the history that it leads to is the one that later vertices start from.
     is_committed: bool,
 }
@@ -497,7 +496,7 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 }
             }
         }
-        let start = self.vertices.first().map(|vertex| &*vertex.begin);
+        let start = self.vertices.first().map(|vertex| &vertex.begin);
         for (sum, parameter) in sums.iter_mut().zip(parameters) {
             for (sum, adjoint) in sum.iter_mut().zip(&adjoints) {
                 *sum += force.product(adjoint, &parameter.state.state);
@@ -513,29 +512,22 @@ impl<F: DifferentiableForce> Companion<'_, F> {
 impl<F: DifferentiableForce> Drop for Companion<'_, F> {
     fn drop(&mut self) {
         if let Ok(mut spare) = self.shared.spare.lock() {
-            let begins = self
-                .vertices
-                .drain(..)
-                .filter_map(|vertex| Arc::into_inner(vertex.begin));
-            spare.extend(begins);
+            spare.extend(self.vertices.drain(..).map(|vertex| vertex.begin));
         }
     }
 }
 
 impl<F: DifferentiableForce> Follower<F> for Companion<'_, F> {
     fn vertex(&mut self, path: &Path<'_, F>) {
-        let known = self.vertices.last().filter(|last| !last.is_committed);
-        let begin = known.map(|last| last.begin.clone()).unwrap_or_else(|| {
-            let begin = &path.sequence.begin;
-            let spare = self.shared.spare.lock().ok().and_then(|mut spare| spare.pop());
-            Arc::new(match spare {
-                Some(mut room) => {
-                    room.clone_from(begin);
-                    room
-                }
-                None => begin.clone(),
-            })
-        });
+        let begin = &path.sequence.begin;
+        let spare = self.shared.spare.lock().ok().and_then(|mut spare| spare.pop());
+        let begin = match spare {
+            Some(mut room) => {
+                room.clone_from(begin);
+                room
+            }
+            None => begin.clone(),
+        };
         self.vertices.push(Vertex {
             at: path.at,
             v: path.sequence.motion.v.clone(),

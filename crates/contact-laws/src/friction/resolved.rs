@@ -575,15 +575,7 @@ impl ResolvedLaw {
             let w = &approach.u_n.0[..m];
             let jump = [jump[0], jump[1], w];
             let begin = [begin[0], begin[1], &approach.u_n0.0[..m], begin[3], begin[4]];
-            let mut present = Present::default();
-            run(Close {
-                halfway: stiffness == StiffnessAt::Middle,
-                fill,
-                approach,
-                u_n,
-                middle,
-                present: &mut present,
-            });
+            let present = close(stiffness, fill, approach, u_n, middle);
             if present.closed {
                 run(Hertz {
                     u_n,
@@ -886,15 +878,7 @@ impl ResolvedLaw {
                     hertz,
                     approach,
                 });
-                let mut present = Present::default();
-                run(Close {
-                    halfway: stiffness == StiffnessAt::Middle,
-                    fill,
-                    approach,
-                    u_n,
-                    middle,
-                    present: &mut present,
-                });
+                let present = close(stiffness, fill, approach, u_n, middle);
                 if !present.closed {
                     let are_open = tables.are_open_from(j + 1, sets, jump[2]);
                     let until = if are_open { n_state } else { base + n_memory };
@@ -1939,6 +1923,26 @@ struct Close<'a, const B: usize> {
     u_n: &'a mut Lanes<f64, B>,
     middle: &'a mut Lanes<f64, B>,
     present: &'a mut Present,
+}
+
+/// What is closed, and the interferences at which its forces are needed.
+fn close<const B: usize>(
+    stiffness: StiffnessAt,
+    fill: &Lanes<f64, B>,
+    approach: &Approach<B>,
+    u_n: &mut Lanes<f64, B>,
+    middle: &mut Lanes<f64, B>,
+) -> Present {
+    let mut present = Present::default();
+    run(Close {
+        halfway: stiffness == StiffnessAt::Middle,
+        fill,
+        approach,
+        u_n,
+        middle,
+        present: &mut present,
+    });
+    present
 }
 
 impl<const B: usize> Pass for Close<'_, B> {

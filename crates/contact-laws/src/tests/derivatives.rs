@@ -75,21 +75,15 @@ fn transposed(
     (m, l): &Input,
 ) -> Result<(), TestCaseError> {
     let forwards = derivative_at_point(law, 0, Sticking::Coulomb, (*u, state), (*d_jump, d_begin));
-    let [of_traction, jump] = [m, u].map(|[x, y, n]| [x, y, n].map(std::slice::from_ref));
+    let at = [(*u, state.to_vec())];
     let back = |way: WayBack, after: &[f64]| {
-        let (mut to_jump, mut history) = ([0.0; 3], after.to_vec());
-        let [x, y, n] = to_jump.each_mut().map(std::slice::from_mut);
-        let mut adjoints = [Adjoint {
-            history: StateViewMut::new(&mut history, 1, 0),
-            traction: Components::new(of_traction[0], of_traction[1], of_traction[2]),
-            jump: ComponentsMut::new(x, y, n),
-        }];
-        let jump = Components::new(jump[0], jump[1], jump[2]);
-        law.transposed(0..1, jump, StateView::new(state, 1, 0), way, &mut adjoints);
+        let mut found = transposed_batch(law, way, 0..1, &at, &[(*m, after.to_vec())]);
+        let mut to_jump = found.swap_remove(0);
+        let history = to_jump.split_off(3);
         (to_jump, history)
     };
     let (to_jump, begin) = back(WayBack::Committed, l);
-    prop_assert_eq!(back(WayBack::JumpAlone, l), (to_jump, l.clone()));
+    prop_assert_eq!(back(WayBack::JumpAlone, l), (to_jump.clone(), l.clone()));
     let (to_jump_alone, alone) = back(WayBack::Committed, &vec![0.0; l.len()]);
     let kept: Vec<f64> = l.iter().zip(&alone).map(|(l, alone)| l + alone).collect();
     prop_assert_eq!(back(WayBack::Passed, l), (to_jump_alone, kept));
