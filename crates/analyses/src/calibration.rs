@@ -529,7 +529,7 @@ pub fn calibrate(
         prepared,
         analysis,
     } = Solved::new(&loops_alone(scene, true), &names, Rates::None, options, progress)?;
-    let variants = Variants::try_new(scene, names, &structure, &prepared, options)?;
+    let variants = Variants::new(scene, names, &structure, &prepared, options);
     let nominal: Vec<f64> = variants
         .parameters()
         .iter()

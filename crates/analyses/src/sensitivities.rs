@@ -103,7 +103,15 @@ pub(super) struct Neighbours {
     /// Change of the law; none where the parameter changes loads alone.
     variation: Option<Variation>,
     /// Reduced structures above and below, where the parameter changes the structure.
-    models: Option<[ReducedModel; 2]>,
+    models: Option<Models>,
+}
+
+/// Reduced structures above and below a scene.
+#[derive(Debug)]
+enum Models {
+    /// Of structures whose stiffness and mass are multiples of those of the scene: the factors.
+    Multiples([[f64; 2]; 2]),
+    Reduced([ReducedModel; 2]),
 }
 
 impl Neighbours {
@@ -122,7 +130,6 @@ impl Neighbours {
     ) -> Result<(Vec<Self>, Vec<Parameter>), Error> {
         let is_locked = scene.bolts.behaviour == BoltBehaviour::Locked;
         let (mut all, mut others) = (Vec::new(), Vec::new());
-        let mut known = None;
         let effects = match scene.analyses.sensitivities.as_slice() {
             [] => None,
             _ => Some(Effects::try_new(scene, structure, Some(interface))?),
@@ -143,22 +150,23 @@ impl Neighbours {
                 continue;
             };
             if is_structural {
-                let sides = [
-                    Structure::try_new(&one.above, progress)?,
-                    Structure::try_new(&one.below, progress)?,
-                ];
+                let of = |side| Structure::try_new(side, progress);
+                let (above, below) = rayon::join(|| of(&one.above), || of(&one.below));
+                let sides = [above?, below?];
                 // The law's derivatives belong to the mesh of the interface.
                 if sides.iter().any(|side| side.interface() != structure.interface()) {
                     others.push(parameter.clone());
                     continue;
                 }
-                let known = match &known {
-                    Some(known) => known,
-                    None => known.insert(structure.assemble()?),
-                };
-                let reduced = |side: &Structure| side.neighbour_of(known, &model.reduced, progress);
-                let (above, below) = rayon::join(|| reduced(&sides[0]), || reduced(&sides[1]));
-                one.models = Some([above?, below?]);
+                let [above, below] = &sides;
+                one.models = Some(match above.multiple_of(structure).zip(below.multiple_of(structure)) {
+                    Some((above, below)) => Models::Multiples([above, below]),
+                    None => {
+                        let reduced = |side: &Structure| side.neighbour_of(&model.reduced, progress);
+                        let (above, below) = rayon::join(|| reduced(above), || reduced(below));
+                        Models::Reduced([above?, below?])
+                    }
+                });
             }
             all.push(one);
         }
@@ -258,23 +266,33 @@ impl Neighbours {
     /// What the parameter changes in the static and the vibrating structure.
     fn ingredients<'b>(&'b self, reduced: &'b ReducedModel) -> Ingredients<'b> {
         let apart = 2.0 * self.step;
-        let [above, below] = self
-            .models
-            .as_ref()
-            .map_or([reduced; 2], |[above, below]| [above, below]);
-        let matrix = |a: &'b SystemMatrix, b: &'b SystemMatrix| match (&self.models, a, b) {
-            (None, ..) => Vec::new(),
-            (_, SystemMatrix::Dense(a), SystemMatrix::Dense(b)) => {
-                vec![(1.0 / apart, Cow::Owned((a - b).into()))]
-            }
+        let matrix = |a: &'b SystemMatrix, b: &'b SystemMatrix| match (a, b) {
+            (SystemMatrix::Dense(a), SystemMatrix::Dense(b)) => vec![(1.0 / apart, Cow::Owned((a - b).into()))],
             // Blocks beside one another are coupled through other combinations.
-            (_, a, b) => vec![(1.0 / apart, Cow::Borrowed(a)), (-1.0 / apart, Cow::Borrowed(b))],
+            (a, b) => vec![(1.0 / apart, Cow::Borrowed(a)), (-1.0 / apart, Cow::Borrowed(b))],
+        };
+        let multiple = |of: &'b SystemMatrix, above: f64, below: f64| match above - below {
+            0.0 => Vec::new(),
+            change => vec![(change / apart, Cow::Borrowed(of))],
+        };
+        let ([above, below], stiffness, mass) = match &self.models {
+            None => ([reduced; 2], Vec::new(), Vec::new()),
+            Some(Models::Multiples([above, below])) => (
+                [reduced; 2],
+                multiple(&reduced.stiffness, above[0], below[0]),
+                multiple(&reduced.mass, above[1], below[1]),
+            ),
+            Some(Models::Reduced([above, below])) => (
+                [above, below],
+                matrix(&above.stiffness, &below.stiffness),
+                matrix(&above.mass, &below.mass),
+            ),
         };
         let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b) / apart).collect();
         Ingredients {
             of: self,
-            stiffness: matrix(&above.stiffness, &below.stiffness),
-            mass: matrix(&above.mass, &below.mass),
+            stiffness,
+            mass,
             load: difference(&Self::load(&self.above, above), &Self::load(&self.below, below)),
             response: difference(&response(above), &response(below)),
         }

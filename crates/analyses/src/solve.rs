@@ -63,7 +63,7 @@ impl Prepared {
             return Ok(analysis);
         };
         let parameters = self.derivatives.differenced.clone();
-        let variants = Variants::try_new(&self.scene, parameters, structure, self, &self.options)?;
+        let variants = Variants::new(&self.scene, parameters, structure, self, &self.options);
         let (found, checkpoints) = finite_differences::sensitivities(&variants, &analysis, progress)?;
         analysis.checkpoints.extend(checkpoints);
         let order = |one: &Sensitivity| {

@@ -204,7 +204,7 @@ pub fn run_samples(
         prepared,
         mut analysis,
     } = Solved::new(scene, &parameters, Rates::WhereTheyCostLittle, options, progress)?;
-    let variants = Variants::try_new(scene, parameters, &structure, &prepared, options)?;
+    let variants = Variants::new(scene, parameters, &structure, &prepared, options);
     if variants.changes_the_structure() {
         progress.note(
             "an uncertain input changes the structure: it is built anew for every sample, and reduced anew unless its matrices are multiples \

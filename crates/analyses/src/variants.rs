@@ -15,7 +15,7 @@ use joints::interface::SceneInterface;
 use joints::progress::{Progress, Stage};
 use joints::store::Options;
 use joints::store::checkpoint::{Checkpoint, Checkpoints};
-use joints::structure::{Assembled, Structure};
+use joints::structure::Structure;
 use scenes::{Influence, Parameter, Scene};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -392,34 +392,27 @@ pub(super) struct Variants<'a> {
     scene: Scene,
     options: Options,
     parameters: Vec<Parameter>,
-    /// Its structure, which those of variants may be multiples of, where a parameter changes it.
-    assembled: Option<Assembled<'a>>,
+    changes_the_structure: bool,
 }
 
 impl<'a> Variants<'a> {
-    /// # Errors
-    /// Of the assembly, where a parameter changes the structure.
-    pub(super) fn try_new(
+    pub(super) fn new(
         scene: &Scene,
         parameters: Vec<Parameter>,
         structure: &'a Structure,
         prepared: &'a Prepared,
         options: &Options,
-    ) -> Result<Self, Error> {
+    ) -> Self {
         let is_structural = |parameter: &Parameter| parameter.influence() == Influence::Structure;
-        let assembled = match parameters.iter().any(is_structural) {
-            true => Some(structure.assemble()?),
-            false => None,
-        };
-        Ok(Self {
+        Self {
             prepared,
             structure,
             given: scene.clone(),
             scene: ensemble::loops_alone(scene, true),
             options: options.clone(),
+            changes_the_structure: parameters.iter().any(is_structural),
             parameters,
-            assembled,
-        })
+        }
     }
 
     pub(super) fn parameters(&self) -> &[Parameter] {
@@ -446,7 +439,7 @@ impl<'a> Variants<'a> {
 
     /// Whether variants have structures of their own.
     pub(super) fn changes_the_structure(&self) -> bool {
-        self.assembled.is_some()
+        self.changes_the_structure
     }
 
     fn analyse(
@@ -457,17 +450,14 @@ impl<'a> Variants<'a> {
     ) -> Result<Analysis, Error> {
         let mut scene = self.with(inputs)?;
         let forces = Some(forces.as_slice());
-        let model = match &self.assembled {
-            None => Cow::Borrowed(self.prepared.model()),
-            Some(known) => {
+        let model = match self.changes_the_structure {
+            false => Cow::Borrowed(self.prepared.model()),
+            true => {
                 let structure = Structure::try_new(&scene, progress)?;
                 // What is known of the interface belongs to its mesh.
-                let multiple = match structure.interface() == self.structure.interface() {
-                    true => structure.multiple_of(known, self.prepared.model())?,
-                    false => None,
-                };
-                match multiple {
-                    Some(model) => Cow::Owned(model),
+                let is_same = structure.interface() == self.structure.interface();
+                match structure.multiple_of(self.structure).filter(|_| is_same) {
+                    Some(factors) => Cow::Owned(self.prepared.model().scaled(factors)),
                     None => return self.analyse_anew(&scene, &structure, forces, rates, progress),
                 }
             }

@@ -261,6 +261,69 @@ impl Assembly {
         Dof::Pretension(index)
     }
 
+    /// Factors of stiffness and mass, if the matrices of this assembly are those of `known` times them and all else is the same: constraints, loads
+    /// and positions. Nothing is assembled for it.
+    pub fn multiple_of(&self, known: &Self) -> Option<[f64; 2]> {
+        let Self {
+            mesh: Mesh {
+                nodes,
+                elements,
+                materials,
+            },
+            ties,
+            couplings,
+            shanks,
+            cuts,
+            rigid_masses,
+            equations,
+            supports,
+            springs,
+            masses,
+            superelements,
+            loads,
+        } = self;
+        // With the numbers of the other one where a factor may be between them: what differs then has no factor.
+        let mut materials = materials.clone();
+        let mut shanks = shanks.clone();
+        let is_paired = materials.len() == known.mesh.materials.len() && shanks.len() == known.shanks.len();
+        let mut stiffness = Factor::default();
+        let mut mass = Factor::default();
+        for (own, known) in materials.iter_mut().zip(&known.mesh.materials) {
+            stiffness.take(&mut own.youngs_modulus, known.youngs_modulus);
+            mass.take(&mut own.density, known.density);
+        }
+        for (own, known) in shanks.iter_mut().zip(&known.shanks) {
+            stiffness.take(&mut own.axial, known.axial);
+            stiffness.take_all(&mut own.bending, known.bending);
+            stiffness.take_all(&mut own.shear, known.shear);
+            stiffness.take(&mut own.torsion, known.torsion);
+            mass.take(&mut own.mass, known.mass);
+            mass.take_all(&mut own.inertia, known.inertia);
+        }
+        if !(springs.is_empty() && superelements.is_empty()) {
+            stiffness.is_one();
+        }
+        if !(rigid_masses.is_empty() && masses.is_empty() && superelements.is_empty()) {
+            mass.is_one();
+        }
+        let is_same = is_paired
+            && materials == known.mesh.materials
+            && shanks == known.shanks
+            && *elements == known.mesh.elements
+            && *nodes == known.mesh.nodes
+            && *ties == known.ties
+            && *couplings == known.couplings
+            && *cuts == known.cuts
+            && *rigid_masses == known.rigid_masses
+            && *equations == known.equations
+            && *supports == known.supports
+            && *springs == known.springs
+            && *masses == known.masses
+            && *superelements == known.superelements
+            && *loads == known.loads;
+        stiffness.found().zip(mass.found()).filter(|_| is_same).map(Into::into)
+    }
+
     /// Turns all quantities from units of `length` (m), `mass` (kg) and seconds into SI.
     pub fn convert_units(&mut self, length: f64, mass: f64) {
         let scale = |x: &mut [f64; 3]| x.iter_mut().for_each(|x| *x *= length);
@@ -309,5 +372,44 @@ impl Assembly {
             let inertia = body.inertia.iter_mut().flatten();
             inertia.for_each(|entry| *entry *= mass * length * length);
         }
+    }
+}
+
+/// The one factor between pairs of numbers, so far.
+#[derive(Default)]
+struct Factor {
+    of: Option<f64>,
+    fails: bool,
+}
+
+impl Factor {
+    /// Difference of factors, relative to them, that is round-off of what the numbers were made from.
+    const SAME: f64 = 1e-12;
+
+    /// Replaces `own` by `known`, and keeps the factor that is between them.
+    fn take(&mut self, own: &mut f64, known: f64) {
+        let factor = *own / known;
+        match self.of {
+            // Of nothing in both any factor is true.
+            _ if *own == 0.0 && known == 0.0 => {}
+            None => self.of = Some(factor),
+            // Also catches NaN.
+            Some(of) => self.fails |= !((factor - of).abs() <= Self::SAME * of),
+        }
+        *own = known;
+    }
+
+    fn take_all<const N: usize>(&mut self, own: &mut [f64; N], known: [f64; N]) {
+        own.iter_mut().zip(known).for_each(|(own, known)| self.take(own, known));
+    }
+
+    /// Notes numbers that must be the same.
+    fn is_one(&mut self) {
+        self.take(&mut 1.0, 1.0);
+    }
+
+    fn found(self) -> Option<f64> {
+        let factor = self.of.unwrap_or(1.0);
+        (!self.fails && factor.is_finite() && factor > 0.0).then_some(factor)
     }
 }

@@ -112,7 +112,7 @@ pub struct InterfacePart {
 }
 
 /// The nodes on both sides of an interface.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Sides {
     /// Nodes that coincide, one of the top body and one of the bottom body for each interface node.
     Pairs {
@@ -126,7 +126,7 @@ pub enum Sides {
 }
 
 /// Two sides of an interface, or of a part of it, whose meshes do not match.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ProjectedSide {
     /// Nodes that carry the jump, one for each interface node.
     pub own: Vec<u32>,

@@ -31,7 +31,6 @@ pub use matrix_contents::matrix_files_of;
 pub use mode_names::Shares;
 pub use modes::{Assurance, Contact, ModalModel, ModeShape, ModesOfContact};
 pub use overview::{BoltOverview, MaterialOverview, Overview, choice_name};
-pub use reduce::Assembled;
 pub use reduced::{Facts, StructuralModel};
 pub use shape::Shape;
 pub use spectrum::{Description, Frequencies, Spectrum};

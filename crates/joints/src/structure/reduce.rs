@@ -19,23 +19,6 @@ use std::borrow::Cow;
 /// Residual that modes reach where only their frequencies matter, whose error is of the order of its square.
 const FREQUENCY_TOLERANCE: f64 = 1e-4;
 
-/// The factor between two matrices, if one is a multiple of the other but for round-off.
-fn multiple(a: &CsMat<f64>, of: &CsMat<f64>) -> Option<f64> {
-    if a.indptr() != of.indptr() || a.indices() != of.indices() {
-        return None;
-    }
-    let square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
-    let factor = (square(a.data()) / square(of.data())).sqrt();
-    let largest = of.data().iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let mut pairs = a.data().iter().zip(of.data());
-    // Also catches NaN.
-    let holds = pairs.all(|(a, b)| (a - factor * b).abs() <= SAME * factor * largest);
-    (factor > 0.0 && holds).then_some(factor)
-}
-
-/// Difference of the entries of matrices, relative to the largest, that is round-off of their assembly.
-const SAME: f64 = 1e-11;
-
 /// Times that the assembled matrices are held while they are factored: as they are, and as the part, shifted or with springs, that is worked
 /// on.
 const COPIES: u64 = 2;
@@ -153,46 +136,34 @@ impl Structure {
         }
     }
 
-    /// The reduced model of a structure whose matrices are multiples of those of `known`, which `model` is the reduced model of: the basis is
-    /// the same, and nothing is reduced. None of any other structure. What is known of the full model beside its mass is not carried over.
-    ///
-    /// # Errors
-    /// Of the assembly.
-    pub fn multiple_of(
-        &self,
-        known: &Assembled<'_>,
-        model: &StructuralModel,
-    ) -> Result<Option<StructuralModel>, Error> {
-        let assembled = self.assemble()?;
-        let found = assembled.multiple_of(known, &model.reduced);
-        Ok(found.map(|reduced| StructuralModel {
-            reduced,
-            facts: Facts {
-                mass: assembled.mass,
-                unstressed_frequencies_hz: Vec::new(),
-                penalty_frequencies_hz: Vec::new(),
-                penalty_error: f64::NAN,
-                ..model.facts.clone()
-            },
-        }))
+    /// Factors of stiffness and mass, if the matrices of this structure are those of `known` times them, so that both are reduced by the same basis.
+    pub fn multiple_of(&self, known: &Self) -> Option<[f64; 2]> {
+        let (Bodies::Meshed(own), Bodies::Meshed(others)) = (&self.joint.bodies, &known.joint.bodies) else {
+            return None;
+        };
+        let place = |bodies: &MeshedBodies| (bodies.response_node, bodies.response_direction);
+        let is_same = place(own) == place(others)
+            && own.excitations == others.excitations
+            && own.sides == others.sides
+            && self.joint.frame == known.joint.frame
+            && self.joint.node_frames == known.joint.node_frames;
+        let factors = own.assembly.multiple_of(&others.assembly).filter(|_| is_same)?;
+        // The load of a moving base is of the mass, and not scaled with it.
+        let is_carried = own
+            .excitations
+            .iter()
+            .any(|excited| matches!(excited, Excited::Base(_)));
+        (!is_carried || factors[1] == 1.0).then_some(factors)
     }
 
     /// The reduced model of a structure that differs little from that of `model`, over the same coordinates: modes in the same order, with the same
-    /// signs. `known` is the system of that one; if the matrices are multiples of its own, nothing is reduced, as the basis is the same.
+    /// signs.
     ///
     /// # Errors
     /// As [`Structure::reduce`]; [`reduction::Error::OtherModel`] for a structure with other coordinates.
-    pub fn neighbour_of(
-        &self,
-        known: &Assembled<'_>,
-        model: &ReducedModel,
-        progress: &dyn Progress,
-    ) -> Result<ReducedModel, Error> {
-        let assembled = self.assemble()?;
-        if let Some(scaled) = assembled.multiple_of(known, model) {
-            return Ok(scaled);
-        }
+    pub fn neighbour_of(&self, model: &ReducedModel, progress: &dyn Progress) -> Result<ReducedModel, Error> {
         progress.note("the structure is reduced again, for a derivative");
+        let assembled = self.assemble()?;
         let settings = Settings {
             n_modes: model.n_modes(),
             mode_tolerance: NEIGHBOUR_TOLERANCE,
@@ -210,7 +181,7 @@ impl Structure {
     }
 
     /// The system in relative coordinates.
-    pub fn assemble(&self) -> Result<Assembled<'_>, Error> {
+    pub(super) fn assemble(&self) -> Result<Assembled<'_>, Error> {
         self.assemble_until(&Silent)
     }
 
@@ -432,7 +403,7 @@ impl Structure {
 }
 
 /// A system in relative coordinates, and what is known of it.
-pub struct Assembled<'a> {
+pub(super) struct Assembled<'a> {
     pub(super) relative: Cow<'a, RelativeSystem>,
     /// Quantities to recover: the response, then one for each excitation, then one for each damper.
     pub(super) rows: Vec<Vec<f64>>,
@@ -446,20 +417,6 @@ pub struct Assembled<'a> {
 }
 
 impl<'a> Assembled<'a> {
-    /// The reduced model where the matrices are multiples of those of `known`, whose reduced model is `model`.
-    fn multiple_of(&self, known: &Assembled<'_>, model: &ReducedModel) -> Option<ReducedModel> {
-        if self.rows != known.rows {
-            return None;
-        }
-        let (own, known) = (&self.relative, &known.relative);
-        let (stiffness, mass) = multiple(&own.stiffness, &known.stiffness).zip(multiple(&own.mass, &known.mass))?;
-        (own.loads == known.loads).then(|| ReducedModel {
-            stiffness: model.stiffness.scaled(stiffness),
-            mass: model.mass.scaled(mass),
-            ..model.clone()
-        })
-    }
-
     /// Memory of its matrices (bytes).
     fn memory(&self) -> u64 {
         let entries = self.relative.stiffness.nnz() + self.relative.mass.nnz();

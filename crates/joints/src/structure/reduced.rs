@@ -43,6 +43,26 @@ pub struct StructuralModel {
 }
 
 impl StructuralModel {
+    /// That of a structure whose stiffness and mass are these `factors` times its own ([`Structure::multiple_of`](super::Structure::multiple_of)). What is
+    /// known of the full model beside its mass is not carried over.
+    pub fn scaled(&self, [stiffness, mass]: [f64; 2]) -> Self {
+        let (reduced, facts) = (&self.reduced, &self.facts);
+        Self {
+            reduced: ReducedModel {
+                stiffness: reduced.stiffness.scaled(stiffness),
+                mass: reduced.mass.scaled(mass),
+                ..reduced.clone()
+            },
+            facts: Facts {
+                mass: facts.mass.map(|own| mass * own),
+                unstressed_frequencies_hz: Vec::new(),
+                penalty_frequencies_hz: Vec::new(),
+                penalty_error: f64::NAN,
+                ..facts.clone()
+            },
+        }
+    }
+
     /// First of the recovery rows that are viscous dampers.
     pub(super) fn first_damper(&self) -> usize {
         1 + self.facts.carried.len()
