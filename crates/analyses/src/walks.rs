@@ -134,25 +134,17 @@ impl<'a> AtRest<'a> {
     }
 
     /// Along the jumps of a closed loop from its positive reversal on (m), relative to the static state.
-    fn walk<'p>(&self, path: impl ExactSizeIterator<Item = &'p [f64]>) -> Work {
-        let n = self.interface.n_dofs();
-        let [mut reached, mut end] = [(); 2].map(|()| self.interface.no_change());
-        let (mut workspace, mut force, mut jump) = (self.interface.workspace(), vec![0.0; n], vec![0.0; n]);
+    fn walk<'p>(&self, path: impl ExactSizeIterator<Item = &'p [f64]> + Clone) -> Work {
+        let from_rest = |motion: &[f64]| self.displacement.iter().zip(motion).map(|(rest, u)| rest + u).collect();
+        let jumps: Vec<Vec<f64>> = path.clone().map(from_rest).collect();
+        let forces = self.interface.along_path(&jumps, Sticking::Coulomb, self.state);
         let middle = path.len() / 2;
         let mut work = Work {
             reversals: 0.0,
             area: 0.0,
         };
         let mut before: Option<(Vec<f64>, &[f64])> = None;
-        for (vertex, motion) in path.enumerate() {
-            let from = if vertex == 0 { self.state } else { &reached };
-            for ((jump, rest), motion) in jump.iter_mut().zip(self.displacement).zip(motion) {
-                *jump = rest + motion;
-            }
-            let sticking = Sticking::Coulomb;
-            self.interface
-                .evaluate(&jump, sticking, from, &mut end, &mut workspace, &mut force, None);
-            std::mem::swap(&mut reached, &mut end);
+        for (vertex, (motion, force)) in path.zip(&forces).enumerate() {
             let found: Vec<f64> = force.iter().zip(self.force).map(|(force, rest)| force - rest).collect();
             if vertex == 0 || vertex == middle {
                 work.reversals += 0.5 * found.iter().zip(motion).map(|(f, u)| f * u).sum::<f64>();

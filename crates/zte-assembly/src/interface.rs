@@ -5,7 +5,7 @@ use crate::kernels::Blocks;
 use crate::operators::Operators;
 use contact_laws::{
     Adjoint, Components, ComponentsMut, LinearisedContact, Regime, RegimeCounts, Scaling, Similarity, StateView,
-    StateViewMut, Sticking, TangentMut, TractionLaw, WayBack,
+    StateViewMut, Sticking, TangentMut, TractionLaw, WayBack, along_path,
 };
 use std::ops::Range;
 use std::sync::Arc;
@@ -411,6 +411,55 @@ impl Interface {
             self.assemble_tangent(workspace.tangent.each_ref().map(Vec::as_slice), values);
         }
         counts
+    }
+
+    /// Nodal forces (N) at the vertices of a path of nodal jumps (m), which begins with the history `begin`: those of [`Interface::evaluate`] from one
+    /// vertex to the next. No more histories are held than those of a few points.
+    ///
+    /// # Panics
+    /// As [`Interface::evaluate`].
+    pub fn along_path(&self, path: &[Vec<f64>], sticking: Sticking, begin: &State) -> Vec<Vec<f64>> {
+        let mut workspace = self.workspace();
+        let jumps: Vec<[Vec<f64>; 3]> = path
+            .iter()
+            .map(|jump| {
+                self.interpolate_jump(jump, &mut workspace);
+                workspace.jump.clone()
+            })
+            .collect();
+        let mut tractions = jumps.clone();
+        let [mut history, mut room, mut at, mut found] = [(); 4].map(|()| Vec::new());
+        for tile in self.tiles() {
+            let (n, points) = (tile.points.len(), &tile.points);
+            history.clear();
+            history.extend_from_slice(&begin.values[tile.states.clone()]);
+            room.resize(history.len(), 0.0);
+            at.clear();
+            jumps
+                .iter()
+                .flatten()
+                .for_each(|values| at.extend_from_slice(&values[points.clone()]));
+            found.resize(at.len(), 0.0);
+            along_path(
+                n,
+                &at,
+                &mut history,
+                &mut room,
+                &mut found,
+                |jump, begin, end, traction| {
+                    tile.law
+                        .evaluate(tile.of_law.clone(), sticking, jump, begin, end, traction, None, None);
+                },
+            );
+            let fields = tractions.iter_mut().flatten().zip(found.chunks_exact(n));
+            fields.for_each(|(values, found)| values[points.clone()].copy_from_slice(found));
+        }
+        let forces = tractions.iter().map(|traction| {
+            let mut force = vec![0.0; self.n_dofs()];
+            self.integrate(traction.each_ref().map(Vec::as_slice), &mut force);
+            force
+        });
+        forces.collect()
     }
 
     /// What [`Interface::evaluate`] gives, and its change along a direction of nodal jumps `d_jump` (m) and history `d_begin`: `d_force` and

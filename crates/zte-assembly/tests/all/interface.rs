@@ -1172,3 +1172,41 @@ fn adjoints_are_the_transposes_of_derivatives() {
         "{backwards} {forwards}"
     );
 }
+
+#[test]
+fn forces_along_a_path_are_those_of_its_vertices_one_by_one() {
+    // More points than stand together, of two laws; bins that close and open again, and points that slip.
+    let operators = Arc::new(Operators::try_new(&patch(), 4).unwrap());
+    let n = operators.n_points();
+    let asperity = Asperity::try_new(ElasticPair::new(192e9, 0.3), 1.4e-3, None).unwrap();
+    let law = |points: usize, friction: AsperityFriction| -> Arc<dyn TractionLaw> {
+        let bins = AsperityBins::try_new(asperity, vec![0.0, 5e-7, 1e-6, 4e-6], vec![1e6; 4]).unwrap();
+        let (bins, mu) = (
+            PointParameters::uniform(bins, points),
+            PointParameters::uniform(0.2, points),
+        );
+        Arc::new(ResolvedLaw::try_new(bins, mu, friction, Cone::Circle).unwrap())
+    };
+    let history = HistoryRule::Incremental;
+    let laws = vec![
+        (0..n / 3, law(n / 3, AsperityFriction::StickSlip(history))),
+        (n / 3..n, law(n - n / 3, AsperityFriction::Annuli(history, 4))),
+    ];
+    let interface = Interface::try_new(operators, laws, vec![0.0; n]).unwrap();
+    let mut random = numbers(3);
+    let path: Vec<Vec<f64>> = [4e-7, 1.2e-6, 3e-7, 9e-7, -1e-7, 6e-7]
+        .map(|normal| {
+            (0..interface.n_dofs())
+                .map(|i| 3e-7 * random() + if i % 3 == 2 { normal } else { 0.0 })
+                .collect()
+        })
+        .into();
+    let start = interface.initial_state();
+    let found = interface.along_path(&path, Sticking::Coulomb, &start);
+    let (mut begin, mut end) = (start.clone(), start);
+    for (jump, found) in path.iter().zip(&found) {
+        assert_eq!(*found, force_into(&interface, jump, &begin, &mut end));
+        assert!(found.iter().any(|force| *force != 0.0));
+        std::mem::swap(&mut begin, &mut end);
+    }
+}
