@@ -31,6 +31,7 @@ use crate::path::Path;
 use crate::prestress::Prestress;
 use contact_laws::{Sticking, WayBack};
 use dense_algebra::{SystemMatrixRef, dot};
+use faer::Mat;
 use rayon::prelude::*;
 use std::sync::Mutex;
 
@@ -131,10 +132,15 @@ struct Local<'a, F: DifferentiableForce> {
 
 impl<'a, F: DifferentiableForce> Local<'a, F> {
     fn new(force: &'a F) -> Self {
+        Self::within(force, force.no_change())
+    }
+
+    /// With room for the end state.
+    fn within(force: &'a F, end: F::State) -> Self {
         Self {
             force,
             workspace: force.workspace(),
-            end: force.no_change(),
+            end,
             contact: vec![0.0; force.n_dofs()],
             change: vec![0.0; force.n_dofs()],
         }
@@ -234,7 +240,7 @@ pub struct Derivatives<'a, F: DifferentiableForce> {
     force: &'a F,
     mode: usize,
     parameters: Vec<ParameterRate<'a, F>>,
-    /// Room for begin states, which loops leave to one another: it is long before memory that was given back can be written again.
+    /// Room for states, which loops leave to one another: it is long before memory that was given back can be written again.
     spare: Mutex<Vec<F::State>>,
 }
 
@@ -310,6 +316,24 @@ impl<'a, F: DifferentiableForce> Derivatives<'a, F> {
     /// Parameter by parameter.
     pub fn parameters(&self) -> &[ParameterRate<'a, F>] {
         &self.parameters
+    }
+
+    /// A copy of a state.
+    fn copy(&self, state: &F::State) -> F::State {
+        match self.spare.lock().ok().and_then(|mut spare| spare.pop()) {
+            Some(mut room) => {
+                room.clone_from(state);
+                room
+            }
+            None => state.clone(),
+        }
+    }
+
+    /// Takes back the room of states that are no longer needed.
+    fn leave(&self, states: impl IntoIterator<Item = F::State>) {
+        if let Ok(mut spare) = self.spare.lock() {
+            spare.extend(states);
+        }
     }
 
     /// A companion of a loop.
@@ -422,15 +446,29 @@ impl<F: DifferentiableForce> Companion<'_, F> {
         let Derivatives { force, parameters, .. } = self.shared;
         let equilibrium = &path.equilibrium;
         let (nc, pattern) = (force.n_dofs(), force.pattern());
-        let mut local = Local::new(*force);
+        let zero = force.no_change();
+        let mut local = Local::within(*force, self.shared.copy(&zero));
         let mut tangent = vec![0.0; pattern.indices.len()];
         let of_force: Vec<Option<&F::Parameter>> = parameters.iter().map(|parameter| parameter.change.force).collect();
         let mut sums = vec![[0.0; GOALS]; parameters.len() + 1];
-        let mut adjoints: [F::State; GOALS] = std::array::from_fn(|_| force.no_change());
+        let mut adjoints: [F::State; GOALS] = std::array::from_fn(|_| self.shared.copy(&zero));
         let mut by_displacement = vec![vec![0.0; nc]; GOALS];
         let mut by_parameter = vec![vec![0.0; parameters.len()]; GOALS];
         let mut is_met = [false; GOALS];
-        for (vertex, weight) in self.vertices.iter().zip(weights).rev() {
+        // Of all vertices at once, so that the matrices are read once.
+        let motions = Mat::from_fn(path.unit.force.len(), self.vertices.len(), |row, vertex| {
+            self.vertices[vertex].v[row]
+        });
+        let stiffness_changes: Vec<Vec<Mat<f64>>> = parameters
+            .iter()
+            .map(|parameter| {
+                let terms = parameter.change.stiffness.iter();
+                terms
+                    .map(|(factor, matrix)| *factor * matrix.product(motions.as_ref()))
+                    .collect()
+            })
+            .collect();
+        for (number, (vertex, weight)) in self.vertices.iter().zip(weights).enumerate().rev() {
             for (is_met, weight) in is_met.iter_mut().zip(weight) {
                 *is_met |= *weight != 0.0;
             }
@@ -482,7 +520,10 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 let mut right: Vec<f64> = parameter.unit.iter().map(|unit| vertex.at * unit).collect();
                 let terms = right.iter_mut().zip(&parameter.reference);
                 terms.for_each(|(r, reference)| *r += reference);
-                add_product(-1.0, &parameter.change.stiffness, &vertex.v, &mut right);
+                for change in &stiffness_changes[at] {
+                    let terms = right.iter_mut().zip(change.col(number).iter());
+                    terms.for_each(|(r, change)| *r -= change);
+                }
                 let amplitude = dot(&parameter.unit, &vertex.v);
                 for (goal, sum) in sum.iter_mut().enumerate().skip(first) {
                     *sum += weight[goal] * amplitude + dot(&forces[goal - first], &right) + by_parameter[goal][at];
@@ -505,33 +546,23 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 }
             }
         }
+        self.shared.leave(adjoints.into_iter().chain([local.end]));
         Some(sums)
     }
 }
 
 impl<F: DifferentiableForce> Drop for Companion<'_, F> {
     fn drop(&mut self) {
-        if let Ok(mut spare) = self.shared.spare.lock() {
-            spare.extend(self.vertices.drain(..).map(|vertex| vertex.begin));
-        }
+        self.shared.leave(self.vertices.drain(..).map(|vertex| vertex.begin));
     }
 }
 
 impl<F: DifferentiableForce> Follower<F> for Companion<'_, F> {
     fn vertex(&mut self, path: &Path<'_, F>) {
-        let begin = &path.sequence.begin;
-        let spare = self.shared.spare.lock().ok().and_then(|mut spare| spare.pop());
-        let begin = match spare {
-            Some(mut room) => {
-                room.clone_from(begin);
-                room
-            }
-            None => begin.clone(),
-        };
         self.vertices.push(Vertex {
             at: path.at,
             v: path.sequence.motion.v.clone(),
-            begin,
+            begin: self.shared.copy(&path.sequence.begin),
             is_committed: false,
         });
     }
