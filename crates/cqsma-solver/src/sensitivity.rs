@@ -82,7 +82,7 @@ pub trait DifferentiableForce: HystereticForce {
         adjoints: &mut [Self::State],
         forces: &[Vec<f64>],
         parameters: &[Option<&Self::Parameter>],
-        workspace: &mut Self::Workspace,
+        workspace: &Self::Workspace,
         to_displacements: &mut [Vec<f64>],
         to_parameters: &mut [Vec<f64>],
     );
@@ -132,15 +132,10 @@ struct Local<'a, F: DifferentiableForce> {
 
 impl<'a, F: DifferentiableForce> Local<'a, F> {
     fn new(force: &'a F) -> Self {
-        Self::within(force, force.no_change())
-    }
-
-    /// With room for the end state.
-    fn within(force: &'a F, end: F::State) -> Self {
         Self {
             force,
             workspace: force.workspace(),
-            end,
+            end: force.no_change(),
             contact: vec![0.0; force.n_dofs()],
             change: vec![0.0; force.n_dofs()],
         }
@@ -410,16 +405,19 @@ fn mode_rates<F: DifferentiableForce>(
 /// Remembers a loop for its derivatives.
 pub(crate) struct Companion<'a, F: DifferentiableForce> {
     shared: &'a Derivatives<'a, F>,
-    vertices: Vec<Vertex<F::State>>,
+    vertices: Vec<Vertex<F>>,
 }
 
 /// A vertex of a path.
-struct Vertex<S> {
+struct Vertex<F: DifferentiableForce> {
     /// Modal force.
     at: f64,
     /// Displacements from the static state.
     v: Vec<f64>,
-    begin: S,
+    begin: F::State,
+    /// What the evaluation there has left.
+    workspace: F::Workspace,
+    tangent: Vec<f64>,
     /// Whether the history that it leads to is the one that later vertices start from.
     is_committed: bool,
 }
@@ -447,8 +445,6 @@ impl<F: DifferentiableForce> Companion<'_, F> {
         let equilibrium = &path.equilibrium;
         let (nc, pattern) = (force.n_dofs(), force.pattern());
         let zero = force.no_change();
-        let mut local = Local::within(*force, self.shared.copy(&zero));
-        let mut tangent = vec![0.0; pattern.indices.len()];
         let of_force: Vec<Option<&F::Parameter>> = parameters.iter().map(|parameter| parameter.change.force).collect();
         let mut sums = vec![[0.0; GOALS]; parameters.len() + 1];
         let mut adjoints: [F::State; GOALS] = std::array::from_fn(|_| self.shared.copy(&zero));
@@ -479,17 +475,8 @@ impl<F: DifferentiableForce> Companion<'_, F> {
             };
             let u = equilibrium.reference.iter().zip(&vertex.v);
             let u: Vec<f64> = u.map(|(u, v)| u + v).collect();
-            force.evaluate(
-                &u,
-                Sticking::Coulomb,
-                &vertex.begin,
-                &mut local.end,
-                &mut local.workspace,
-                &mut local.contact,
-                Some(&mut tangent),
-            );
             let mut back = |way, forces: &[Vec<f64>], parameters: &[Option<&F::Parameter>], to_u: &mut [Vec<f64>]| {
-                let (begin, workspace) = (&vertex.begin, &mut local.workspace);
+                let (begin, workspace) = (&vertex.begin, &vertex.workspace);
                 let (adjoints, into) = (&mut adjoints[first..], &mut by_parameter[first..]);
                 force.transposed(&u, begin, way, adjoints, forces, parameters, workspace, to_u, into);
             };
@@ -497,7 +484,7 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 true => back(WayBack::JumpAlone, &[], &[], &mut by_displacement[first..]),
                 false => by_displacement.iter_mut().for_each(|values| values.fill(0.0)),
             }
-            let mut solves = TransposedSolves::new(equilibrium.stuck, pattern, &tangent);
+            let mut solves = TransposedSolves::new(equilibrium.stuck, pattern, &vertex.tangent);
             let mut forces = Vec::with_capacity(GOALS);
             for (goal, history) in by_displacement.iter().enumerate().skip(first) {
                 let mut right: Vec<f64> = path.unit.force.iter().map(|unit| weight[goal] * unit).collect();
@@ -505,7 +492,7 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 let found = match solves.solve(&right, TOLERANCE) {
                     Some(found) => found.v,
                     None => {
-                        let matrix = pattern.added_to(equilibrium.stiffness.dense()?, &tangent);
+                        let matrix = pattern.added_to(equilibrium.stiffness.dense()?, &vertex.tangent);
                         dense_algebra::solve_general(matrix.transpose().to_owned(), &right)?
                     }
                 };
@@ -546,7 +533,7 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 }
             }
         }
-        self.shared.leave(adjoints.into_iter().chain([local.end]));
+        self.shared.leave(adjoints);
         Some(sums)
     }
 }
@@ -559,10 +546,13 @@ impl<F: DifferentiableForce> Drop for Companion<'_, F> {
 
 impl<F: DifferentiableForce> Follower<F> for Companion<'_, F> {
     fn vertex(&mut self, path: &Path<'_, F>) {
+        let sequence = &path.sequence;
         self.vertices.push(Vertex {
             at: path.at,
-            v: path.sequence.motion.v.clone(),
-            begin: self.shared.copy(&path.sequence.begin),
+            v: sequence.motion.v.clone(),
+            begin: self.shared.copy(&sequence.begin),
+            workspace: sequence.workspace.clone(),
+            tangent: sequence.tangent.clone(),
             is_committed: false,
         });
     }

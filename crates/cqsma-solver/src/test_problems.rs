@@ -128,7 +128,7 @@ impl DifferentiableForce for Jenkins {
         adjoints: &mut [Self::State],
         forces: &[Vec<f64>],
         parameters: &[Option<&Self::Parameter>],
-        (): &mut (),
+        (): &(),
         to_displacements: &mut [Vec<f64>],
         to_parameters: &mut [Vec<f64>],
     ) {

@@ -187,7 +187,7 @@ impl DifferentiableForce for InterfaceForce<'_> {
         adjoints: &mut [State],
         forces: &[Vec<f64>],
         parameters: &[Option<&Variation>],
-        workspace: &mut Workspace,
+        workspace: &Workspace,
         to_displacements: &mut [Vec<f64>],
         to_parameters: &mut [Vec<f64>],
     ) {
