@@ -127,31 +127,20 @@ fn are_others(forces: &[f64], than: &[f64]) -> bool {
 
 /// Forces of an interface that closes, slides, slides back and opens half, farther and farther.
 fn forces(interface: &Interface, gap: f64) -> Vec<Vec<f64>> {
-    let mut all = Vec::new();
-    let mut begin = interface.initial_state();
-    let mut end = begin.clone();
-    let mut workspace = interface.workspace();
-    let mut force = vec![0.0; interface.n_dofs()];
+    let mut path = Vec::new();
     let held = interface.operators().held();
     let is_held = |coordinate: usize| held.binary_search(&coordinate).is_ok();
     for motion in MOTIONS {
         for (slide, close) in [(0.0, 1.0), (0.1, 1.0), (10.0, 1.0), (-1.0, 1.0), (0.0, 0.5)] {
             let to = [slide * motion, 0.5 * slide * motion, gap + close * motion];
             let jump = (0..interface.n_dofs()).map(|i| if is_held(i) { 0.0 } else { to[i % 3] });
-            let jump: Vec<f64> = jump.collect();
-            interface.evaluate(
-                &jump,
-                Sticking::Coulomb,
-                &begin,
-                &mut end,
-                &mut workspace,
-                &mut force,
-                None,
-            );
-            let free = force.iter().enumerate().filter(|(i, _)| !is_held(*i));
-            all.push(free.map(|(_, force)| *force).collect());
-            std::mem::swap(&mut begin, &mut end);
+            path.push(jump.collect());
         }
     }
-    all
+    let forces = interface.along_path(&path, Sticking::Coulomb, &interface.initial_state());
+    let free = |force: Vec<f64>| {
+        let free = force.into_iter().enumerate().filter(|(i, _)| !is_held(*i));
+        free.map(|(_, force)| force).collect()
+    };
+    forces.into_iter().map(free).collect()
 }
