@@ -39,4 +39,4 @@ pub use force::{HystereticForce, PatternView};
 pub use loading::{LoadingPoint, LoadingResult};
 pub use modes::Linearisation;
 pub use newton::{Failure, LinearSolver, NewtonSettings, Reason};
-pub use sensitivity::DifferentiableForce;
+pub use sensitivity::{DifferentiableForce, Step};

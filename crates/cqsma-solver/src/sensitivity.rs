@@ -13,7 +13,7 @@
 //! Q', A' or H' = sum over vertices of  w_k (M phi)' v_k + m^T (load' - K' v - dF/dp) + l^T dS/dp,   plus  l^T s' of the static state :
 //! ```
 //!
-//! three linear solves per vertex, whatever the number of parameters. The result belongs to the discrete loop: to its vertices and its number of cycles,
+//! at most three linear solves per vertex, whatever the number of parameters. The result belongs to the discrete loop: to its vertices and its number of cycles,
 //! which are held.
 //!
 //! All of `F` and `S` is differentiated by the force itself, on the branch that it takes. That matters more than it seems: a point that slipped
@@ -37,6 +37,17 @@ use std::sync::Mutex;
 
 /// Accuracy of the linear solves, relative in the energy norm. Damping is the small difference of large parts, and so is its derivative.
 const TOLERANCE: f64 = 1e-9;
+
+/// A step of a path, evaluated under friction.
+#[derive(Debug)]
+pub struct Step<'a, F: HystereticForce + ?Sized> {
+    /// Where it leads to, over the leading coordinates.
+    pub u: &'a [f64],
+    /// The history that it begins with.
+    pub begin: &'a F::State,
+    /// What [`HystereticForce::evaluate`] has left.
+    pub workspace: &'a F::Workspace,
+}
 
 /// A force that can be differentiated along a change of displacements, history and a parameter.
 pub trait DifferentiableForce: HystereticForce {
@@ -72,19 +83,18 @@ pub trait DifferentiableForce: HystereticForce {
     );
     /// The way back through a step: with adjoints `l` of the end state and `m` of the force, none if `forces` is empty, it gives
     /// `(dS/du)^T l - (dF/du)^T m` over the leading coordinates and `l^T dS/dp - m^T dF/dp` of each parameter, and changes `l` as `way` has it. What of the
-    /// parameters' terms adds up to nothing but a term of the begin of a whole path may be left out ([`Self::at_start`]). `workspace` is that of
-    /// [`HystereticForce::evaluate`] at `u` from `begin` under friction.
+    /// parameters' terms adds up to nothing but a term of the begin of a whole path may be left out ([`Self::at_start`]). Of the step `before`, the
+    /// first term with the adjoints that are left is found as well.
     fn transposed(
         &self,
-        u: &[f64],
-        begin: &Self::State,
+        step: Step<'_, Self>,
         way: WayBack,
         adjoints: &mut [Self::State],
         forces: &[Vec<f64>],
         parameters: &[Option<&Self::Parameter>],
-        workspace: &Self::Workspace,
         to_displacements: &mut [Vec<f64>],
         to_parameters: &mut [Vec<f64>],
+        before: Option<(Step<'_, Self>, &mut [Vec<f64>])>,
     );
     /// What a parameter adds to the sum of [`Self::transposed`] over all steps of a path, by the history that the path begins with and the adjoint
     /// of that.
@@ -422,6 +432,17 @@ struct Vertex<F: DifferentiableForce> {
     is_committed: bool,
 }
 
+impl<F: DifferentiableForce> Vertex<F> {
+    /// The step to it, at the displacements `u`.
+    fn step<'a>(&'a self, u: &'a [f64]) -> Step<'a, F> {
+        Step {
+            u,
+            begin: &self.begin,
+            workspace: &self.workspace,
+        }
+    }
+}
+
 /// What goes along with a loop; whether it differentiates is not the loop's business.
 pub(crate) trait Follower<F: HystereticForce> {
     /// A vertex has been found.
@@ -438,6 +459,26 @@ pub(crate) trait Follower<F: HystereticForce> {
 const GOALS: usize = 3;
 
 impl<F: DifferentiableForce> Companion<'_, F> {
+    /// Numbers of the vertices that a goal depends on, from the last to the first, each with the first of the goals that does.
+    fn counting(&self, weights: &[[f64; GOALS]]) -> Vec<(usize, usize)> {
+        let mut is_met = [false; GOALS];
+        let of_vertex = |(number, (vertex, weight)): (usize, (&Vertex<F>, &[f64; GOALS]))| {
+            for (is_met, weight) in is_met.iter_mut().zip(weight) {
+                *is_met |= *weight != 0.0;
+            }
+            // A vertex without a weight counts for the later ones that begin in it.
+            let counts = |goal: &usize| weight[*goal] != 0.0 || (vertex.is_committed && is_met[*goal]);
+            (0..GOALS).find(counts).map(|first| (number, first))
+        };
+        self.vertices
+            .iter()
+            .zip(weights)
+            .enumerate()
+            .rev()
+            .filter_map(of_vertex)
+            .collect()
+    }
+
     /// Derivatives of the goals with respect to all parameters at the same force, and last to the logarithm of the force,
     /// but for what area and frequency grow by as they are products with the force. `weights` are those of the amplitudes of all vertices.
     fn sweep(&self, weights: &[[f64; GOALS]], path: &Path<'_, F>) -> Option<Vec<[f64; GOALS]>> {
@@ -449,8 +490,9 @@ impl<F: DifferentiableForce> Companion<'_, F> {
         let mut sums = vec![[0.0; GOALS]; parameters.len() + 1];
         let mut adjoints: [F::State; GOALS] = std::array::from_fn(|_| self.shared.copy(&zero));
         let mut by_displacement = vec![vec![0.0; nc]; GOALS];
+        // Of the vertex at hand, by the adjoints of the history that it leaves.
+        let mut by_history = vec![vec![0.0; nc]; GOALS];
         let mut by_parameter = vec![vec![0.0; parameters.len()]; GOALS];
-        let mut is_met = [false; GOALS];
         // Of all vertices at once, so that the matrices are read once.
         let motions = Mat::from_fn(path.unit.force.len(), self.vertices.len(), |row, vertex| {
             self.vertices[vertex].v[row]
@@ -464,29 +506,15 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                     .collect()
             })
             .collect();
-        for (number, (vertex, weight)) in self.vertices.iter().zip(weights).enumerate().rev() {
-            for (is_met, weight) in is_met.iter_mut().zip(weight) {
-                *is_met |= *weight != 0.0;
-            }
-            // A vertex without a weight counts for the later ones that begin in it.
-            let counts = |goal: usize| weight[goal] != 0.0 || (vertex.is_committed && is_met[goal]);
-            let Some(first) = (0..GOALS).find(|goal| counts(*goal)) else {
-                continue;
-            };
-            let u = equilibrium.reference.iter().zip(&vertex.v);
-            let u: Vec<f64> = u.map(|(u, v)| u + v).collect();
-            let mut back = |way, forces: &[Vec<f64>], parameters: &[Option<&F::Parameter>], to_u: &mut [Vec<f64>]| {
-                let (begin, workspace) = (&vertex.begin, &vertex.workspace);
-                let (adjoints, into) = (&mut adjoints[first..], &mut by_parameter[first..]);
-                force.transposed(&u, begin, way, adjoints, forces, parameters, workspace, to_u, into);
-            };
-            match vertex.is_committed {
-                true => back(WayBack::JumpAlone, &[], &[], &mut by_displacement[first..]),
-                false => by_displacement.iter_mut().for_each(|values| values.fill(0.0)),
-            }
+        let counting = self.counting(weights);
+        for (place, &(number, first)) in counting.iter().enumerate() {
+            let (vertex, weight) = (&self.vertices[number], &weights[number]);
+            let before = counting.get(place + 1);
+            // Adjoints that come from later vertices pass by one that is not committed.
+            let first = before.map_or(first, |(_, of_before)| first.min(*of_before));
             let mut solves = TransposedSolves::new(equilibrium.stuck, pattern, &vertex.tangent);
             let mut forces = Vec::with_capacity(GOALS);
-            for (goal, history) in by_displacement.iter().enumerate().skip(first) {
+            for (goal, history) in by_history.iter().enumerate().skip(first) {
                 let mut right: Vec<f64> = path.unit.force.iter().map(|unit| weight[goal] * unit).collect();
                 right.iter_mut().zip(history).for_each(|(r, own)| *r += own);
                 let found = match solves.solve(&right, TOLERANCE) {
@@ -502,7 +530,28 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 true => WayBack::Committed,
                 false => WayBack::Passed,
             };
-            back(way, &forces, &of_force, &mut by_displacement[first..]);
+            by_history.iter_mut().for_each(|values| values.fill(0.0));
+            let before = before.map(|(number, _)| &self.vertices[*number]);
+            let before = before.filter(|before| before.is_committed);
+            let [u, u_before] = [Some(vertex), before].map(|vertex| {
+                let v = vertex.map_or(&[][..], |vertex| &vertex.v);
+                equilibrium
+                    .reference
+                    .iter()
+                    .zip(v)
+                    .map(|(u, v)| u + v)
+                    .collect::<Vec<f64>>()
+            });
+            force.transposed(
+                vertex.step(&u),
+                way,
+                &mut adjoints[first..],
+                &forces,
+                &of_force,
+                &mut by_displacement[first..],
+                &mut by_parameter[first..],
+                before.map(|before| (before.step(&u_before), &mut by_history[first..])),
+            );
             for (at, (sum, parameter)) in sums.iter_mut().zip(parameters).enumerate() {
                 let mut right: Vec<f64> = parameter.unit.iter().map(|unit| vertex.at * unit).collect();
                 let terms = right.iter_mut().zip(&parameter.reference);

@@ -1,7 +1,7 @@
 //! Small structures with known answers, shared by tests and benches.
 
 use crate::force::{HystereticForce, PatternView};
-use crate::sensitivity::DifferentiableForce;
+use crate::sensitivity::{DifferentiableForce, Step};
 use contact_laws::{RegimeCounts, Sticking, WayBack};
 use faer::Mat;
 
@@ -122,15 +122,14 @@ impl DifferentiableForce for Jenkins {
 
     fn transposed(
         &self,
-        u: &[f64],
-        begin: &Self::State,
+        Step { u, begin, .. }: Step<'_, Self>,
         way: WayBack,
         adjoints: &mut [Self::State],
         forces: &[Vec<f64>],
         parameters: &[Option<&Self::Parameter>],
-        (): &(),
         to_displacements: &mut [Vec<f64>],
         to_parameters: &mut [Vec<f64>],
+        before: Option<(Step<'_, Self>, &mut [Vec<f64>])>,
     ) {
         to_parameters.iter_mut().for_each(|sums| sums.fill(0.0));
         for (goal, adjoint) in adjoints.iter_mut().enumerate() {
@@ -154,6 +153,10 @@ impl DifferentiableForce for Jenkins {
                     *sum += own * if sticks { d_k * step } else { d_limit * trial.signum() };
                 }
             }
+        }
+        if let Some((step, to_displacements)) = before {
+            let way = WayBack::JumpAlone;
+            self.transposed(step, way, adjoints, &[], &[], to_displacements, &mut [], None);
         }
     }
 

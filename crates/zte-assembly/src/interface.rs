@@ -117,6 +117,15 @@ pub struct Workspace {
     history: Vec<f64>,
 }
 
+/// A step of a path: the history that it begins with, and what [`Interface::evaluate`] under friction has left of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<'a> {
+    /// The history.
+    pub begin: &'a State,
+    /// What is left.
+    pub workspace: &'a Workspace,
+}
+
 /// Change of an interface with a parameter, per unit of the parameter.
 #[derive(Clone, Debug)]
 pub struct Variation {
@@ -543,26 +552,29 @@ impl Interface {
     /// The way back through a step under friction: what the product of adjoints of the end state with the end state, less that of adjoints of the
     /// nodal forces with these, grows by. It is given per unit of the nodal jumps, `to_jumps`, of the begin state, for which `adjoints` are
     /// overwritten as `way` has it, and of each parameter, `to_parameters`, but for [`Interface::at_start`]. Without adjoints of forces, `forces` is
-    /// empty. `workspace` is that of [`Interface::evaluate`] of the step.
+    /// empty. Of the step `before`, what the adjoints left at its end give per unit of its nodal jumps ([`WayBack::JumpAlone`]) is found along with them,
+    /// while they are at hand: all of them together are read from memory, and this takes longer than the arithmetic.
     ///
     /// # Panics
     /// As [`Interface::evaluate`].
     pub fn transposed(
         &self,
-        begin: &State,
+        Step { begin, workspace }: Step<'_>,
         way: WayBack,
         adjoints: &mut [State],
         forces: &[Vec<f64>],
         parameters: &[Option<&Variation>],
-        workspace: &Workspace,
         to_jumps: &mut [Vec<f64>],
         to_parameters: &mut [Vec<f64>],
+        before: Option<(Step<'_>, &mut [Vec<f64>])>,
     ) {
         let n = self.operators.n_points();
         let weights = &self.operators.weights;
         let zeros = || -> [Vec<f64>; 3] { std::array::from_fn(|_| vec![0.0; n]) };
         let mut fields: Vec<[Vec<f64>; 3]> = adjoints.iter().map(|_| zeros()).collect();
+        let mut fields_before = fields.clone();
         let mut tractions = fields.clone();
+        let untouched = zeros();
         for (force, fields) in forces.iter().zip(&mut tractions) {
             self.interpolate(&force[..self.n_dofs()], fields.each_mut().map(Vec::as_mut_slice));
             for values in fields {
@@ -572,26 +584,27 @@ impl Interface {
         to_parameters.iter_mut().for_each(|sums| sums.fill(0.0));
         for tile in self.tiles() {
             let (range, of_law) = (&tile.points, &tile.of_law);
-            let adjoints = adjoints.iter_mut().zip(&tractions).zip(&mut fields);
-            let adjoints = adjoints.map(|((history, traction), jump)| {
-                let [x, y, normal] = jump.each_mut().map(|values| &mut values[range.clone()]);
-                Adjoint {
-                    history: tile.history_mut(history),
-                    traction: components(traction, range),
-                    jump: ComponentsMut { x, y, n: normal },
-                }
-            });
-            let mut adjoints: Vec<Adjoint<'_>> = adjoints.collect();
+            let along = adjoints.iter_mut().zip(&tractions).zip(&mut fields);
+            let along = along.map(|((history, traction), jump)| tile.adjoint(history, traction, jump));
+            let mut along: Vec<Adjoint<'_>> = along.collect();
             let [jump, traction] = [&workspace.jump, &workspace.traction].map(|fields| components(fields, range));
             tile.law
-                .transposed(of_law.clone(), jump, tile.history(begin), way, &mut adjoints);
-            for (adjoint, sums) in adjoints.iter().zip(&mut *to_parameters) {
+                .transposed(of_law.clone(), jump, tile.history(begin), way, &mut along);
+            for (adjoint, sums) in along.iter().zip(&mut *to_parameters) {
                 for (sum, variation) in sums.iter_mut().zip(parameters) {
                     let part = variation.map(|variation| {
                         variation.scalings[tile.index].on_the_way(of_law.clone(), jump, traction, adjoint)
                     });
                     *sum += part.unwrap_or_default();
                 }
+            }
+            if let Some((Step { begin, workspace }, _)) = &before {
+                let along = adjoints.iter_mut().zip(&mut fields_before);
+                let along = along.map(|(history, jump)| tile.adjoint(history, &untouched, jump));
+                let mut along: Vec<Adjoint<'_>> = along.collect();
+                let (jump, begin) = (components(&workspace.jump, range), tile.history(begin));
+                tile.law
+                    .transposed(of_law.clone(), jump, begin, WayBack::JumpAlone, &mut along);
             }
         }
         for (field, sums) in fields.iter().zip(to_parameters) {
@@ -604,7 +617,9 @@ impl Interface {
                     .sum::<f64>();
             }
         }
-        for (field, into) in fields.iter_mut().zip(to_jumps) {
+        let to_jumps_before = before.map_or_else(Default::default, |(_, to_jumps)| to_jumps);
+        let own = fields.iter_mut().zip(to_jumps);
+        for (field, into) in own.chain(fields_before.iter_mut().zip(to_jumps_before)) {
             // The forces of tractions are weighted sums.
             for values in field.iter_mut() {
                 values.iter_mut().zip(weights).for_each(|(v, w)| *v /= w);
@@ -855,6 +870,20 @@ impl Tile<'_> {
         of.is_finite = false;
         StateViewMut::new(&mut of.values[self.states.clone()], self.points.len(), 0)
             .with_zeros_from(&mut of.tiles[self.number].zero_from)
+    }
+
+    fn adjoint<'s>(
+        &self,
+        history: &'s mut State,
+        traction: &'s [Vec<f64>; 3],
+        jump: &'s mut [Vec<f64>; 3],
+    ) -> Adjoint<'s> {
+        let [x, y, n] = jump.each_mut().map(|values| &mut values[self.points.clone()]);
+        Adjoint {
+            history: self.history_mut(history),
+            traction: components(traction, &self.points),
+            jump: ComponentsMut { x, y, n },
+        }
     }
 
     fn evaluate(

@@ -1,7 +1,7 @@
 //! The adapter through which the solver sees an interface.
 
 use contact_laws::{Components, ComponentsMut, RegimeCounts, StateView, StateViewMut, Sticking, TangentMut, WayBack};
-use cqsma_solver::{DifferentiableForce, HystereticForce, PatternView, Reflection};
+use cqsma_solver::{DifferentiableForce, HystereticForce, PatternView, Reflection, Step};
 use finite_elements::reflection::Places;
 use harmonic_balance::{DifferentiablePointwiseForce, PointwiseForce};
 use std::ops::Range;
@@ -181,25 +181,26 @@ impl DifferentiableForce for InterfaceForce<'_> {
 
     fn transposed(
         &self,
-        _: &[f64],
-        begin: &State,
+        step: Step<'_, Self>,
         way: WayBack,
         adjoints: &mut [State],
         forces: &[Vec<f64>],
         parameters: &[Option<&Variation>],
-        workspace: &Workspace,
         to_displacements: &mut [Vec<f64>],
         to_parameters: &mut [Vec<f64>],
+        before: Option<(Step<'_, Self>, &mut [Vec<f64>])>,
     ) {
+        let of_interface = |Step { begin, workspace, .. }| zte_assembly::Step { begin, workspace };
+        let before = before.map(|(step, to_displacements)| (of_interface(step), to_displacements));
         self.interface.transposed(
-            begin,
+            of_interface(step),
             way,
             adjoints,
             forces,
             parameters,
-            workspace,
             to_displacements,
             to_parameters,
+            before,
         );
     }
 

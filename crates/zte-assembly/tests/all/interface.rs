@@ -12,7 +12,7 @@ use std::sync::Arc;
 use zte_assembly::flux::LoopArea;
 use zte_assembly::quadrature::Quadrature;
 use zte_assembly::shape::{QUAD4, QUAD8, SHAPES, TRI3};
-use zte_assembly::{Element, Error, Interface, InterfaceMesh, Operators, PointContact, State};
+use zte_assembly::{Element, Error, Interface, InterfaceMesh, Operators, PointContact, State, Step};
 
 const NORMAL: f64 = 3e13;
 const TANGENTIAL: [f64; 2] = [2e13, 1e13];
@@ -1154,16 +1154,40 @@ fn adjoints_are_the_transposes_of_derivatives() {
     let mut to_jump = vec![vec![0.0; nd]];
     let forces = [of_force.clone()];
     let mut to_begin = adjoints.clone();
+    // And of another step that leads to this one.
+    let (first, mut before) = (interface.initial_state(), interface.workspace());
+    interface.evaluate(
+        &vector(2e-7, 4e-7),
+        Sticking::Coulomb,
+        &first,
+        &mut end,
+        &mut before,
+        &mut force,
+        None,
+    );
+    let before = Step {
+        begin: &first,
+        workspace: &before,
+    };
+    let (mut to_jump_before, mut expected) = (to_jump.clone(), to_jump.clone());
     interface.transposed(
-        &begin,
+        Step {
+            begin: &begin,
+            workspace: &workspace,
+        },
         WayBack::Committed,
         &mut to_begin,
         &forces,
         &[],
-        &workspace,
         &mut to_jump,
         &mut [],
+        Some((before, &mut to_jump_before)),
     );
+    let mut kept = to_begin.clone();
+    let jump_alone = WayBack::JumpAlone;
+    interface.transposed(before, jump_alone, &mut kept, &[], &[], &mut expected, &mut [], None);
+    assert_eq!(to_jump_before, expected);
+    assert!(kept == to_begin && expected[0].iter().any(|value| *value != 0.0));
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let forwards = adjoints[0].product(&d_end) - dot(&of_force, &d_force);
     let backwards = dot(&to_jump[0], &d_jump) + to_begin[0].product(&d_begin);
