@@ -92,7 +92,7 @@ pub use friction::foundation::{Foundation, FoundationLaw, Growth};
 pub use friction::linearised::{LinearisedContact, StaticPoint};
 pub use friction::radii::Radii;
 pub use friction::resolved::{AsperityFriction, ResolvedLaw};
-pub use friction::similarity::{Scaling, Similarity};
+pub use friction::similarity::{PointSums, Scaling, Similarity};
 pub use friction::{
     AsperityLaw, Cone, ElasticDryFriction, FrictionalLaw, GreenwoodWilliamsonLaw, HISTORY_RULES, HistoryRule,
     HistoryRuleInfo, RoughLaw, TableLaw,

@@ -53,6 +53,8 @@ pub struct Step<'a, F: HystereticForce + ?Sized> {
 pub trait DifferentiableForce: HystereticForce {
     /// How it depends on a parameter.
     type Parameter: Sync;
+    /// How a number grows with what parameters may change, as far as a path has been gone back along.
+    type LocalGradient;
 
     /// What [`HystereticForce::evaluate`] gives, and its change along `d_u` (over the leading coordinates), `d_begin` and, if there is one, a unit
     /// of the parameter: `d_force` and `d_end`. One-sided at kinks, of the branch taken.
@@ -82,23 +84,25 @@ pub trait DifferentiableForce: HystereticForce {
         tangent: &mut [f64],
     );
     /// The way back through a step: with adjoints `l` of the end state and `m` of the force, none if `forces` is empty, it gives
-    /// `(dS/du)^T l - (dF/du)^T m` over the leading coordinates and `l^T dS/dp - m^T dF/dp` of each parameter, and changes `l` as `way` has it. What of the
-    /// parameters' terms adds up to nothing but a term of the begin of a whole path may be left out ([`Self::at_start`]). Of the step `before`, the
-    /// first term with the adjoints that are left is found as well.
+    /// `(dS/du)^T l - (dF/du)^T m` over the leading coordinates, adds `l^T dS/dp - m^T dF/dp` to `gradients`, and changes `l` as `way` has it. What of
+    /// this adds up to nothing but a term of the begin of a whole path may be left out ([`Self::at_start`]). Of the step `before`, the first term with
+    /// the adjoints that are left is found as well.
     fn transposed(
         &self,
         step: Step<'_, Self>,
         way: WayBack,
         adjoints: &mut [Self::State],
         forces: &[Vec<f64>],
-        parameters: &[Option<&Self::Parameter>],
         to_displacements: &mut [Vec<f64>],
-        to_parameters: &mut [Vec<f64>],
+        gradients: &mut [Self::LocalGradient],
         before: Option<(Step<'_, Self>, &mut [Vec<f64>])>,
     );
-    /// What a parameter adds to the sum of [`Self::transposed`] over all steps of a path, by the history that the path begins with and the adjoint
-    /// of that.
-    fn at_start(&self, begin: &Self::State, adjoint: &Self::State, parameter: &Self::Parameter) -> f64;
+    /// That before the way back.
+    fn no_gradient(&self) -> Self::LocalGradient;
+    /// Adds what [`Self::transposed`] leaves of all steps of a path, by the history that the path begins with and the adjoint of that.
+    fn at_start(&self, begin: &Self::State, adjoint: &Self::State, gradient: &mut Self::LocalGradient);
+    /// How much of a gradient a parameter takes.
+    fn of_parameter(&self, gradient: &Self::LocalGradient, parameter: &Self::Parameter) -> f64;
     /// Product of an adjoint of a history with a change of one.
     fn product(&self, adjoint: &Self::State, change: &Self::State) -> f64;
     /// No change of the history.
@@ -486,13 +490,12 @@ impl<F: DifferentiableForce> Companion<'_, F> {
         let equilibrium = &path.equilibrium;
         let (nc, pattern) = (force.n_dofs(), force.pattern());
         let zero = force.no_change();
-        let of_force: Vec<Option<&F::Parameter>> = parameters.iter().map(|parameter| parameter.change.force).collect();
         let mut sums = vec![[0.0; GOALS]; parameters.len() + 1];
         let mut adjoints: [F::State; GOALS] = std::array::from_fn(|_| self.shared.copy(&zero));
         let mut by_displacement = vec![vec![0.0; nc]; GOALS];
         // Of the vertex at hand, by the adjoints of the history that it leaves.
         let mut by_history = vec![vec![0.0; nc]; GOALS];
-        let mut by_parameter = vec![vec![0.0; parameters.len()]; GOALS];
+        let mut gradients: [F::LocalGradient; GOALS] = std::array::from_fn(|_| force.no_gradient());
         // Of all vertices at once, so that the matrices are read once.
         let motions = Mat::from_fn(path.unit.force.len(), self.vertices.len(), |row, vertex| {
             self.vertices[vertex].v[row]
@@ -547,9 +550,8 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 way,
                 &mut adjoints[first..],
                 &forces,
-                &of_force,
                 &mut by_displacement[first..],
-                &mut by_parameter[first..],
+                &mut gradients[first..],
                 before.map(|before| (before.step(&u_before), &mut by_history[first..])),
             );
             for (at, (sum, parameter)) in sums.iter_mut().zip(parameters).enumerate() {
@@ -562,7 +564,7 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 }
                 let amplitude = dot(&parameter.unit, &vertex.v);
                 for (goal, sum) in sum.iter_mut().enumerate().skip(first) {
-                    *sum += weight[goal] * amplitude + dot(&forces[goal - first], &right) + by_parameter[goal][at];
+                    *sum += weight[goal] * amplitude + dot(&forces[goal - first], &right);
                     *sum += dot(&by_displacement[goal], &parameter.state.displacement);
                 }
             }
@@ -573,13 +575,14 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 }
             }
         }
-        let start = self.vertices.first().map(|vertex| &vertex.begin);
+        if let Some(start) = self.vertices.first() {
+            let of_goals = adjoints.iter().zip(&mut gradients);
+            of_goals.for_each(|(adjoint, gradient)| force.at_start(&start.begin, adjoint, gradient));
+        }
         for (sum, parameter) in sums.iter_mut().zip(parameters) {
-            for (sum, adjoint) in sum.iter_mut().zip(&adjoints) {
-                *sum += force.product(adjoint, &parameter.state.state);
-                if let (Some(start), Some(own)) = (start, parameter.change.force) {
-                    *sum += force.at_start(start, adjoint, own);
-                }
+            for (sum, (adjoint, gradient)) in sum.iter_mut().zip(adjoints.iter().zip(&gradients)) {
+                let own = parameter.change.force.map(|own| force.of_parameter(gradient, own));
+                *sum += force.product(adjoint, &parameter.state.state) + own.unwrap_or(0.0);
             }
         }
         self.shared.leave(adjoints);

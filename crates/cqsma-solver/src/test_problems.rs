@@ -75,6 +75,8 @@ impl HystereticForce for Jenkins {
 impl DifferentiableForce for Jenkins {
     /// Changes of stiffness and slip force of each element.
     type Parameter = Vec<(f64, f64)>;
+    /// By stiffness (m) and slip force of each element (-).
+    type LocalGradient = Vec<(f64, f64)>;
 
     fn derivative(
         &self,
@@ -126,12 +128,10 @@ impl DifferentiableForce for Jenkins {
         way: WayBack,
         adjoints: &mut [Self::State],
         forces: &[Vec<f64>],
-        parameters: &[Option<&Self::Parameter>],
         to_displacements: &mut [Vec<f64>],
-        to_parameters: &mut [Vec<f64>],
+        gradients: &mut [Self::LocalGradient],
         before: Option<(Step<'_, Self>, &mut [Vec<f64>])>,
     ) {
-        to_parameters.iter_mut().for_each(|sums| sums.fill(0.0));
         for (goal, adjoint) in adjoints.iter_mut().enumerate() {
             for (i, &(k, limit)) in self.elements.iter().enumerate() {
                 let step = u[i] - begin[i].0;
@@ -147,21 +147,32 @@ impl DifferentiableForce for Jenkins {
                     WayBack::Passed => (after.0 - k * of_force, after.1 + of_force),
                     WayBack::JumpAlone => after,
                 };
-                let sums = to_parameters.get_mut(goal).into_iter().flatten();
-                for (sum, parameter) in sums.zip(parameters) {
-                    let (d_k, d_limit) = parameter.map_or((0.0, 0.0), |parameter| parameter[i]);
-                    *sum += own * if sticks { d_k * step } else { d_limit * trial.signum() };
+                if let Some(gradient) = gradients.get_mut(goal) {
+                    let (by_k, by_limit) = &mut gradient[i];
+                    match sticks {
+                        true => *by_k += own * step,
+                        false => *by_limit += own * trial.signum(),
+                    }
                 }
             }
         }
         if let Some((step, to_displacements)) = before {
             let way = WayBack::JumpAlone;
-            self.transposed(step, way, adjoints, &[], &[], to_displacements, &mut [], None);
+            self.transposed(step, way, adjoints, &[], to_displacements, &mut [], None);
         }
     }
 
-    fn at_start(&self, _: &Self::State, _: &Self::State, _: &Self::Parameter) -> f64 {
-        0.0
+    fn no_gradient(&self) -> Self::LocalGradient {
+        vec![(0.0, 0.0); self.elements.len()]
+    }
+
+    fn at_start(&self, _: &Self::State, _: &Self::State, _: &mut Self::LocalGradient) {}
+
+    fn of_parameter(&self, gradient: &Self::LocalGradient, parameter: &Self::Parameter) -> f64 {
+        let pairs = gradient.iter().zip(parameter);
+        pairs
+            .map(|((by_k, by_limit), (d_k, d_limit))| by_k * d_k + by_limit * d_limit)
+            .sum()
     }
 
     fn product(&self, adjoint: &Self::State, change: &Self::State) -> f64 {

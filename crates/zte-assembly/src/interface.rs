@@ -4,8 +4,8 @@ use crate::Error;
 use crate::kernels::Blocks;
 use crate::operators::Operators;
 use contact_laws::{
-    Adjoint, Components, ComponentsMut, LinearisedContact, Regime, RegimeCounts, Scaling, Similarity, StateView,
-    StateViewMut, Sticking, TangentMut, TractionLaw, WayBack, along_path,
+    Adjoint, Components, ComponentsMut, LinearisedContact, PointSums, Regime, RegimeCounts, Scaling, Similarity,
+    StateView, StateViewMut, Sticking, TangentMut, TractionLaw, WayBack, along_path,
 };
 use std::ops::Range;
 use std::sync::Arc;
@@ -124,6 +124,15 @@ pub struct Step<'a> {
     pub begin: &'a State,
     /// What is left.
     pub workspace: &'a Workspace,
+}
+
+/// How a number grows with what parameters change at single points, as far as a path has been gone back along.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocalGradient {
+    /// What scales.
+    sums: PointSums,
+    /// Per unit of the gap (1/m).
+    gap: Vec<f64>,
 }
 
 /// Change of an interface with a parameter, per unit of the parameter.
@@ -551,7 +560,7 @@ impl Interface {
 
     /// The way back through a step under friction: what the product of adjoints of the end state with the end state, less that of adjoints of the
     /// nodal forces with these, grows by. It is given per unit of the nodal jumps, `to_jumps`, of the begin state, for which `adjoints` are
-    /// overwritten as `way` has it, and of each parameter, `to_parameters`, but for [`Interface::at_start`]. Without adjoints of forces, `forces` is
+    /// overwritten as `way` has it, and added to `gradients`, but for [`Interface::at_start`]. Without adjoints of forces, `forces` is
     /// empty. Of the step `before`, what the adjoints left at its end give per unit of its nodal jumps ([`WayBack::JumpAlone`]) is found along with them,
     /// while they are at hand: all of them together are read from memory, and this takes longer than the arithmetic.
     ///
@@ -563,9 +572,8 @@ impl Interface {
         way: WayBack,
         adjoints: &mut [State],
         forces: &[Vec<f64>],
-        parameters: &[Option<&Variation>],
         to_jumps: &mut [Vec<f64>],
-        to_parameters: &mut [Vec<f64>],
+        gradients: &mut [LocalGradient],
         before: Option<(Step<'_>, &mut [Vec<f64>])>,
     ) {
         let n = self.operators.n_points();
@@ -581,7 +589,6 @@ impl Interface {
                 values.iter_mut().zip(weights).for_each(|(v, w)| *v *= -w);
             }
         }
-        to_parameters.iter_mut().for_each(|sums| sums.fill(0.0));
         for tile in self.tiles() {
             let (range, of_law) = (&tile.points, &tile.of_law);
             let along = adjoints.iter_mut().zip(&tractions).zip(&mut fields);
@@ -590,13 +597,8 @@ impl Interface {
             let [jump, traction] = [&workspace.jump, &workspace.traction].map(|fields| components(fields, range));
             tile.law
                 .transposed(of_law.clone(), jump, tile.history(begin), way, &mut along);
-            for (adjoint, sums) in along.iter().zip(&mut *to_parameters) {
-                for (sum, variation) in sums.iter_mut().zip(parameters) {
-                    let part = variation.map(|variation| {
-                        variation.scalings[tile.index].on_the_way(of_law.clone(), jump, traction, adjoint)
-                    });
-                    *sum += part.unwrap_or_default();
-                }
+            for (adjoint, gradient) in along.iter().zip(&mut *gradients) {
+                gradient.sums.add_step(range.clone(), jump, traction, adjoint);
             }
             if let Some((Step { begin, workspace }, _)) = &before {
                 let along = adjoints.iter_mut().zip(&mut fields_before);
@@ -607,15 +609,8 @@ impl Interface {
                     .transposed(of_law.clone(), jump, begin, WayBack::JumpAlone, &mut along);
             }
         }
-        for (field, sums) in fields.iter().zip(to_parameters) {
-            for (sum, variation) in sums.iter_mut().zip(parameters) {
-                let gap = variation.map_or(&[][..], |variation| &variation.gap);
-                *sum -= field[2]
-                    .iter()
-                    .zip(gap)
-                    .map(|(adjoint, gap)| adjoint * gap)
-                    .sum::<f64>();
-            }
+        for ([.., normal], gradient) in fields.iter().zip(gradients) {
+            gradient.gap.iter_mut().zip(normal).for_each(|(sum, own)| *sum -= own);
         }
         let to_jumps_before = before.map_or_else(Default::default, |(_, to_jumps)| to_jumps);
         let own = fields.iter_mut().zip(to_jumps);
@@ -628,15 +623,31 @@ impl Interface {
         }
     }
 
-    /// What a parameter adds to the sum of [`Interface::transposed`] over all steps of a path, by the history that the path begins with and the adjoint
-    /// of that.
-    pub fn at_start(&self, begin: &State, adjoint: &State, variation: &Variation) -> f64 {
-        let of_tile = |tile: Tile<'_>| {
+    /// Before the way back along a path.
+    pub fn no_gradient(&self) -> LocalGradient {
+        let n = self.operators.n_points();
+        LocalGradient {
+            sums: PointSums::new(n),
+            gap: vec![0.0; n],
+        }
+    }
+
+    /// Adds what [`Interface::transposed`] leaves of all steps of a path, by the history that the path begins with and the adjoint of that.
+    pub fn at_start(&self, begin: &State, adjoint: &State, gradient: &mut LocalGradient) {
+        for tile in self.tiles() {
             let kept = begin.tiles[tile.number].kept();
             let [begin, adjoint] = [begin, adjoint].map(|state| &state.values[kept.clone()]);
-            variation.scalings[tile.index].at_start(tile.of_law, begin, adjoint)
-        };
-        self.tiles().map(of_tile).sum()
+            let state = &tile.law.info().state;
+            gradient.sums.add_begin(tile.points, state, begin, adjoint);
+        }
+    }
+
+    /// How much of it a parameter takes.
+    pub fn of_parameter(&self, gradient: &LocalGradient, variation: &Variation) -> f64 {
+        let of_laws = self.laws.iter().zip(&variation.scalings);
+        let scaled = of_laws.map(|((range, _), scaling)| scaling.of_path(&gradient.sums, range.start));
+        let gap = gradient.gap.iter().zip(&variation.gap).map(|(own, gap)| own * gap);
+        scaled.sum::<f64>() + gap.sum::<f64>()
     }
 
     /// The tangent (N/m) with everything stuck at nodal jumps (m), a history, and the value of a parameter plus `step`.

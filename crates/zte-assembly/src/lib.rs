@@ -22,7 +22,7 @@ pub mod shape;
 mod tree;
 
 pub use error::Error;
-pub use interface::{Interface, State, Step, Variation, Workspace};
+pub use interface::{Interface, LocalGradient, State, Step, Variation, Workspace};
 pub use mesh::{Covered, Element, InterfaceMesh, PointContact};
 pub use mortar::{Mortar, Rise};
 pub use operators::Operators;

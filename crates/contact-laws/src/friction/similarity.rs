@@ -95,6 +95,15 @@ enum Kind {
 impl Kind {
     const JUMP: [Self; 3] = [Self::Sliding(0), Self::Sliding(1), Self::Interference];
     const TRACTIONS: [Self; 3] = [Self::Traction, Self::Traction, Self::Normal];
+    /// All that change.
+    const SCALED: [Self; 6] = [
+        Self::Interference,
+        Self::Sliding(0),
+        Self::Sliding(1),
+        Self::Traction,
+        Self::Force,
+        Self::Normal,
+    ];
 
     fn of(quantity: &Quantity) -> Option<Self> {
         let name = quantity.name.as_ref();
@@ -204,64 +213,21 @@ impl Scaling {
         }
     }
 
-    /// What a path on the way back through a step finds of the parameter in jumps and tractions: how much the product of the adjoints with them
-    /// grows per unit of the parameter, for points of the law.
-    ///
-    /// Histories take part as well, but each as the end of one step and as the begin of the next, with opposite signs. Of a whole path nothing is left
-    /// but [`Self::at_start`].
+    /// How much what a path was gone back along for grows per unit of the parameter by points of the law, from the sums of all its steps; those of the
+    /// law's points begin at `first`. Changes of the path's first history come beside it.
     ///
     /// # Panics
-    /// When a list is shorter than the points.
-    pub fn on_the_way(
-        &self,
-        points: Range<usize>,
-        jump: Components<'_>,
-        traction: Components<'_>,
-        adjoint: &Adjoint<'_>,
-    ) -> f64 {
-        let rates = &self.points[points];
-        let sum = |kinds: [Kind; 3], adjoints: [&[f64]; 3], values: [&[f64]; 3]| {
-            let of_kind = |((kind, adjoints), values): ((Kind, &[f64]), &[f64])| {
-                let points = rates.iter().zip(adjoints).zip(values);
-                points
-                    .map(|((rate, adjoint), value)| rate.of(kind) * adjoint * value)
-                    .sum::<f64>()
-            };
-            kinds.into_iter().zip(adjoints).zip(values).map(of_kind).sum::<f64>()
+    /// When there are fewer sums than points.
+    pub fn of_path(&self, sums: &PointSums, first: usize) -> f64 {
+        let of = sums
+            .of
+            .each_ref()
+            .map(|values| &values[first..first + self.points.len()]);
+        let of_point = |(i, point): (usize, &Similarity)| {
+            let kinds = Kind::SCALED.into_iter().zip(of);
+            kinds.map(|(kind, values)| point.of(kind) * values[i]).sum::<f64>()
         };
-        let (to_jump, of_traction) = (&adjoint.jump, adjoint.traction);
-        let of_tractions = [of_traction.x, of_traction.y, of_traction.n];
-        sum(Kind::TRACTIONS, of_tractions, [traction.x, traction.y, traction.n])
-            - sum(Kind::JUMP, [to_jump.x, to_jump.y, to_jump.n], [jump.x, jump.y, jump.n])
-    }
-
-    /// What is left of the histories of a whole path ([`Self::on_the_way`]), by the history that it begins with and the adjoint of that, both
-    /// `[component][point]` without holes.
-    pub fn at_start(&self, points: Range<usize>, begin: &[f64], adjoint: &[f64]) -> f64 {
-        let rates = &self.points[points];
-        let n = rates.len().max(1);
-        let components = self
-            .kinds
-            .iter()
-            .zip(begin.chunks_exact(n))
-            .zip(adjoint.chunks_exact(n));
-        // Histories have many numbers of few kinds.
-        let mut products: Vec<(Kind, Vec<f64>)> = Vec::new();
-        for ((&kind, values), adjoints) in components {
-            let place = products.iter().position(|(known, _)| *known == kind);
-            let place = place.unwrap_or_else(|| {
-                products.push((kind, vec![0.0; n]));
-                products.len() - 1
-            });
-            let sums = products[place].1.iter_mut();
-            let terms = values.iter().zip(adjoints).map(|(value, adjoint)| value * adjoint);
-            sums.zip(terms).for_each(|(sum, term)| *sum += term);
-        }
-        let of_kind = |(kind, products): (Kind, Vec<f64>)| {
-            let points = rates.iter().zip(products);
-            points.map(|(rate, product)| rate.of(kind) * product).sum::<f64>()
-        };
-        -products.into_iter().map(of_kind).sum::<f64>()
+        self.points.iter().enumerate().map(of_point).sum()
     }
 
     /// Brings jump and begin state of points, `[component][point]` without holes, into the coordinates in which the law at the parameter's value plus
@@ -288,6 +254,80 @@ impl Scaling {
             for (value, rate) in values.iter_mut().zip(&self.points[points.clone()]) {
                 *value *= (step * (rate.of(row) - rate.of(column))).exp();
             }
+        }
+    }
+}
+
+/// What is found on the way back along a path of all that scales, point by point: adjoints times tractions, less those times jumps. Whatever the number
+/// of parameters, the path is gone back once ([`Scaling::of_path`]).
+///
+/// Histories take part as well, but each as the end of one step and as the begin of the next, with opposite signs. Of a whole path that of its begin
+/// is left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointSums {
+    /// In the order of [`Kind::SCALED`].
+    of: [Vec<f64>; Kind::SCALED.len()],
+}
+
+impl PointSums {
+    /// Before the first step.
+    pub fn new(n_points: usize) -> Self {
+        Self {
+            of: core::array::from_fn(|_| vec![0.0; n_points]),
+        }
+    }
+
+    /// Adds what a step finds at `points`, which `adjoint` has come back through.
+    ///
+    /// # Panics
+    /// When a list is shorter than the points, or the sums are.
+    pub fn add_step(
+        &mut self,
+        points: Range<usize>,
+        jump: Components<'_>,
+        traction: Components<'_>,
+        adjoint: &Adjoint<'_>,
+    ) {
+        let (to_jump, of_traction) = (&adjoint.jump, adjoint.traction);
+        let jumps = [(&*to_jump.x, jump.x), (&*to_jump.y, jump.y), (&*to_jump.n, jump.n)];
+        for (kind, (adjoints, values)) in Kind::JUMP.into_iter().zip(jumps) {
+            self.add(kind, &points, -1.0, adjoints, values);
+        }
+        let tractions = [
+            (of_traction.x, traction.x),
+            (of_traction.y, traction.y),
+            (of_traction.n, traction.n),
+        ];
+        for (kind, (adjoints, values)) in Kind::TRACTIONS.into_iter().zip(tractions) {
+            self.add(kind, &points, 1.0, adjoints, values);
+        }
+    }
+
+    /// Adds what is left of the histories of `points` of a law with this `state`, by those that the path begins with and their adjoints, both
+    /// `[component][point]` without holes.
+    ///
+    /// # Panics
+    /// When the sums are shorter than the points.
+    pub fn add_begin(&mut self, points: Range<usize>, state: &[Quantity], begin: &[f64], adjoint: &[f64]) {
+        let n = points.len().max(1);
+        let components = begin.chunks_exact(n).zip(adjoint.chunks_exact(n));
+        for (quantity, (values, adjoints)) in state.iter().zip(components) {
+            // Laws with another quantity are not scaled.
+            if let Some(kind) = Kind::of(quantity) {
+                self.add(kind, &points, -1.0, adjoints, values);
+            }
+        }
+    }
+
+    fn add(&mut self, kind: Kind, points: &Range<usize>, sign: f64, adjoints: &[f64], values: &[f64]) {
+        let sums = Kind::SCALED
+            .into_iter()
+            .zip(&mut self.of)
+            .find(|(other, _)| *other == kind);
+        if let Some((_, sums)) = sums {
+            let terms = adjoints[..points.len()].iter().zip(&values[..points.len()]);
+            let sums = sums[points.clone()].iter_mut().zip(terms);
+            sums.for_each(|(sum, (adjoint, value))| *sum += sign * adjoint * value);
         }
     }
 }

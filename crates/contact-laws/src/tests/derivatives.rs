@@ -594,7 +594,8 @@ fn scaled_laws_change_as_their_neighbours_do() {
         let later = found.iter().enumerate().skip(n);
         let terms = later.flat_map(|(at, found)| (0..3).map(move |c| weight(at, c) * found[c]));
         let (forwards, size) = terms.fold((0.0, 0.0), |(sum, size), term| (sum + term, size + term.abs()));
-        let (mut backwards, mut history_back) = (0.0, vec![0.0; 5 * n]);
+        let (mut sums, mut history_back) = (PointSums::new(n), vec![0.0; 5 * n]);
+        let mut of_begin = 0.0;
         for (k, (jump, t, begin, d_begin)) in steps.iter().enumerate().skip(1).rev() {
             let weights: [Vec<f64>; 3] = core::array::from_fn(|c| (0..n).map(|i| weight(k * n + i, c)).collect());
             let mut to_jump: [Vec<f64>; 3] = core::array::from_fn(|_| vec![0.0; n]);
@@ -612,17 +613,13 @@ fn scaled_laws_change_as_their_neighbours_do() {
                 WayBack::Committed,
                 &mut adjoints,
             );
-            backwards += scaling.on_the_way(
-                0..jump.x.len(),
-                jump,
-                Components::new(&t[0], &t[1], &t[2]),
-                &adjoints[0],
-            );
+            sums.add_step(0..n, jump, Components::new(&t[0], &t[1], &t[2]), &adjoints[0]);
             if k == 1 {
-                backwards += scaling.at_start(0..jump.x.len(), begin, &history_back);
-                backwards += history_back.iter().zip(d_begin).map(|(a, b)| a * b).sum::<f64>();
+                sums.add_begin(0..n, &law.info().state, begin, &history_back);
+                of_begin = history_back.iter().zip(d_begin).map(|(a, b)| a * b).sum();
             }
         }
+        let backwards = scaling.of_path(&sums, 0) + of_begin;
         assert!(
             (backwards - forwards).abs() < 1e-12 * size,
             "{history:?}: {backwards} {forwards}"

@@ -563,3 +563,71 @@ fn rigid_motions_are_counted() {
         assert_eq!(joined.rigid_motions().unwrap(), 0);
     }
 }
+
+#[test]
+fn assemblies_whose_matrices_are_multiples_are_told_by_their_inputs() {
+    let of = |material: Material| {
+        let mut assembly = two_blocks(distributing, false);
+        let at = [assembly.couplings[0].reference, assembly.couplings[1].reference];
+        let section = Section::Circle(DIAMETER);
+        assembly.shanks = vec![Shank::uniform(
+            "bolt".into(),
+            [0, 1],
+            at,
+            section,
+            &material,
+            [1.0, 0.0, 0.0],
+        )];
+        assembly.mesh.materials = vec![material];
+        assembly
+    };
+    let other = |youngs_modulus: f64, density: f64| Material {
+        youngs_modulus: youngs_modulus * steel().youngs_modulus,
+        density: density * steel().density,
+        ..steel()
+    };
+    let known = of(steel());
+    let found = of(other(1.3, 0.7)).multiple_of(&known).unwrap();
+    close(found[0], 1.3, 1e-12);
+    close(found[1], 0.7, 1e-12);
+    let [own, theirs] = [&of(other(1.3, 0.7)), &known].map(|assembly| System::try_new(assembly).unwrap());
+    for (own, known, factor) in [
+        (own.stiffness.data(), theirs.stiffness.data(), found[0]),
+        (own.mass.data(), theirs.mass.data(), found[1]),
+    ] {
+        let largest = known.iter().fold(0.0_f64, |m, value| m.max(value.abs()));
+        assert_eq!(own.len(), known.len());
+        for (own, known) in own.iter().zip(known) {
+            assert!((own - factor * known).abs() <= 1e-12 * factor * largest);
+        }
+    }
+    assert_eq!(known.multiple_of(&known), Some([1.0, 1.0]));
+
+    let poisson = Material {
+        poisson_ratio: 0.31,
+        ..steel()
+    };
+    assert_eq!(of(poisson).multiple_of(&known), None);
+    // The bolt alone is stiffer, or the blocks are.
+    let mut stiffer = known.clone();
+    stiffer.mesh.materials = vec![other(1.3, 1.0)];
+    assert_eq!(stiffer.multiple_of(&known), None);
+    // A spring to the ground, and a mass, keep what they are.
+    let spring = GroundSpring {
+        node: 0,
+        component: 2,
+        stiffness: 1e6,
+    };
+    let held = |mut assembly: Assembly| {
+        assembly.springs = vec![spring];
+        assembly
+    };
+    assert_eq!(held(of(other(1.3, 1.0))).multiple_of(&held(known.clone())), None);
+    let lighter = held(of(other(1.0, 0.7))).multiple_of(&held(known.clone())).unwrap();
+    assert_eq!(lighter[0], 1.0);
+    close(lighter[1], 0.7, 1e-12);
+    assert_eq!(held(known.clone()).multiple_of(&known), None);
+    let mut moved = known.clone();
+    moved.mesh.nodes[0][0] += 1e-6;
+    assert_eq!(moved.multiple_of(&known), None);
+}

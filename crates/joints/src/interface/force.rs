@@ -5,7 +5,7 @@ use cqsma_solver::{DifferentiableForce, HystereticForce, PatternView, Reflection
 use finite_elements::reflection::Places;
 use harmonic_balance::{DifferentiablePointwiseForce, PointwiseForce};
 use std::ops::Range;
-use zte_assembly::{Batches, Interface, State, Variation, Workspace};
+use zte_assembly::{Batches, Interface, LocalGradient, State, Variation, Workspace};
 
 /// The interface as the solver sees it.
 pub struct InterfaceForce<'a> {
@@ -118,6 +118,7 @@ impl HystereticForce for InterfaceForce<'_> {
 
 impl DifferentiableForce for InterfaceForce<'_> {
     type Parameter = Variation;
+    type LocalGradient = LocalGradient;
 
     fn derivative(
         &self,
@@ -185,9 +186,8 @@ impl DifferentiableForce for InterfaceForce<'_> {
         way: WayBack,
         adjoints: &mut [State],
         forces: &[Vec<f64>],
-        parameters: &[Option<&Variation>],
         to_displacements: &mut [Vec<f64>],
-        to_parameters: &mut [Vec<f64>],
+        gradients: &mut [LocalGradient],
         before: Option<(Step<'_, Self>, &mut [Vec<f64>])>,
     ) {
         let of_interface = |Step { begin, workspace, .. }| zte_assembly::Step { begin, workspace };
@@ -197,15 +197,22 @@ impl DifferentiableForce for InterfaceForce<'_> {
             way,
             adjoints,
             forces,
-            parameters,
             to_displacements,
-            to_parameters,
+            gradients,
             before,
         );
     }
 
-    fn at_start(&self, begin: &State, adjoint: &State, parameter: &Variation) -> f64 {
-        self.interface.at_start(begin, adjoint, parameter)
+    fn no_gradient(&self) -> LocalGradient {
+        self.interface.no_gradient()
+    }
+
+    fn at_start(&self, begin: &State, adjoint: &State, gradient: &mut LocalGradient) {
+        self.interface.at_start(begin, adjoint, gradient);
+    }
+
+    fn of_parameter(&self, gradient: &LocalGradient, parameter: &Variation) -> f64 {
+        self.interface.of_parameter(gradient, parameter)
     }
 
     fn product(&self, adjoint: &State, change: &State) -> f64 {

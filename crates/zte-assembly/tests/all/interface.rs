@@ -1178,14 +1178,13 @@ fn adjoints_are_the_transposes_of_derivatives() {
         WayBack::Committed,
         &mut to_begin,
         &forces,
-        &[],
         &mut to_jump,
         &mut [],
         Some((before, &mut to_jump_before)),
     );
     let mut kept = to_begin.clone();
     let jump_alone = WayBack::JumpAlone;
-    interface.transposed(before, jump_alone, &mut kept, &[], &[], &mut expected, &mut [], None);
+    interface.transposed(before, jump_alone, &mut kept, &[], &mut expected, &mut [], None);
     assert_eq!(to_jump_before, expected);
     assert!(kept == to_begin && expected[0].iter().any(|value| *value != 0.0));
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
