@@ -111,7 +111,7 @@ pub(super) struct Neighbours {
 enum Models {
     /// Of structures whose stiffness and mass are multiples of those of the scene: the factors.
     Multiples([[f64; 2]; 2]),
-    Reduced([ReducedModel; 2]),
+    Reduced(Box<[ReducedModel; 2]>),
 }
 
 impl Neighbours {
@@ -164,7 +164,7 @@ impl Neighbours {
                     None => {
                         let reduced = |side: &Structure| side.neighbour_of(&model.reduced, progress);
                         let (above, below) = rayon::join(|| reduced(above), || reduced(below));
-                        Models::Reduced([above?, below?])
+                        Models::Reduced(Box::new([above?, below?]))
                     }
                 });
             }
@@ -282,11 +282,11 @@ impl Neighbours {
                 multiple(&reduced.stiffness, above[0], below[0]),
                 multiple(&reduced.mass, above[1], below[1]),
             ),
-            Some(Models::Reduced([above, below])) => (
-                [above, below],
-                matrix(&above.stiffness, &below.stiffness),
-                matrix(&above.mass, &below.mass),
-            ),
+            Some(Models::Reduced(sides)) => {
+                let [above, below] = &**sides;
+                let stiffness = matrix(&above.stiffness, &below.stiffness);
+                ([above, below], stiffness, matrix(&above.mass, &below.mass))
+            }
         };
         let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b) / apart).collect();
         Ingredients {
