@@ -3,6 +3,7 @@
 use crate::packed::Symmetric;
 use crate::{Error, cholesky_in_place};
 use faer::{Mat, MatRef};
+use rayon::prelude::*;
 
 /// A reflection of coordinates: each has an image and a sign, and is the image of its image.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +37,7 @@ impl Reflection {
     /// and `jj`.
     fn keeps(&self, a: MatRef<'_, f64>, tolerance: f64) -> bool {
         let own: Vec<f64> = (0..a.nrows()).map(|i| a[(i, i)].abs().sqrt()).collect();
-        (0..a.ncols()).all(|j| {
+        (0..a.ncols()).into_par_iter().all(|j| {
             let (of, sign) = self.images[j];
             let (column, image) = (a.col(j), a.col(of));
             j > of
@@ -102,15 +103,16 @@ impl ReflectedInverse {
             };
             let pairs: Vec<Pair> = (0..size).filter_map(of).collect();
             let mut block = Mat::zeros(pairs.len(), pairs.len());
-            for (j, column) in pairs.iter().enumerate() {
-                for (i, row) in pairs.iter().enumerate().skip(j) {
+            let columns = block.par_col_iter_mut().zip(&pairs).enumerate();
+            columns.for_each(|(j, (block, column))| {
+                for (entry, row) in block.iter_mut().zip(&pairs).skip(j) {
                     for (l, factor) in column.members() {
                         for (k, weight) in row.members() {
-                            block[(i, j)] += weight * factor * a[(k, l)];
+                            *entry += weight * factor * a[(k, l)];
                         }
                     }
                 }
-            }
+            });
             let lower = cholesky_in_place(block)?;
             Ok((pairs, Symmetric::inverse_of_factor(lower.as_ref())))
         };
