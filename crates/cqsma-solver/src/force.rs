@@ -23,7 +23,7 @@ impl PatternView<'_> {
     }
 
     /// Rows, columns and values of a matrix of this pattern.
-    pub fn entries(self, values: &[f64]) -> impl Iterator<Item = (usize, usize, f64)> {
+    pub fn entries(self, values: &[f64]) -> impl Iterator<Item = (usize, usize, f64)> + Clone {
         (0..self.indptr.len() - 1).flat_map(move |row| {
             (self.indptr[row]..self.indptr[row + 1]).map(move |k| (row, self.indices[k], values[k]))
         })

@@ -169,8 +169,8 @@ impl Stuck {
         let Some(mean) = reflected_mean(pattern, tangent, &reflection) else {
             return Ok(None);
         };
-        let matrix = pattern.added_to(stiffness, &mean);
-        let Some(inverse) = ReflectedInverse::try_new(matrix.as_ref(), &reflection, REFLECTED)? else {
+        let contact = pattern.entries(&mean);
+        let Some(inverse) = ReflectedInverse::try_new(stiffness, contact, &reflection, REFLECTED)? else {
             return Ok(None);
         };
         let found = Self {

@@ -75,15 +75,20 @@ pub struct ReflectedInverse {
 }
 
 impl ReflectedInverse {
-    /// The inverse of the part of `a` that the reflection leaves as it is, if it is all of `a` but for `tolerance` times the roots of the products of
-    /// diagonal entries.
+    /// The inverse of `a` and entries added to it, rows, columns and values that the reflection leaves as they are together: of the part of `a` that it
+    /// leaves as it is, if this is all of `a` but for `tolerance` times the roots of the products of diagonal entries.
     ///
     /// # Errors
     /// [`Error::NotPositiveDefinite`], with a pivot of one of the two parts.
     ///
     /// # Panics
-    /// If the matrix is not square or the reflection is that of another number of coordinates.
-    pub fn try_new(a: MatRef<'_, f64>, reflection: &Reflection, tolerance: f64) -> Result<Option<Self>, Error> {
+    /// If the matrix is not square, the reflection is that of another number of coordinates, or an entry is outside.
+    pub fn try_new(
+        a: MatRef<'_, f64>,
+        entries: impl Iterator<Item = (usize, usize, f64)> + Clone,
+        reflection: &Reflection,
+        tolerance: f64,
+    ) -> Result<Option<Self>, Error> {
         let size = a.nrows();
         assert!(a.ncols() == size && reflection.images.len() == size);
         if !reflection.keeps(a, tolerance) {
@@ -113,6 +118,18 @@ impl ReflectedInverse {
                     }
                 }
             });
+            // Of each coordinate the combination that it takes part in, and its weight there.
+            let mut places = vec![None; size];
+            for (at, pair) in pairs.iter().enumerate() {
+                pair.members().for_each(|(i, weight)| places[i] = Some((at, weight)));
+            }
+            for (row, column, value) in entries.clone() {
+                if let (Some((i, weight)), Some((j, factor))) = (places[row], places[column])
+                    && i >= j
+                {
+                    block[(i, j)] += weight * factor * value;
+                }
+            }
             let lower = cholesky_in_place(block)?;
             Ok((pairs, Symmetric::inverse_of_factor(lower.as_ref())))
         };

@@ -414,7 +414,10 @@ fn the_inverse_by_reflected_parts_is_the_inverse() {
         let reflection = reflection.unwrap();
         let lower = cholesky(matrix.as_ref()).unwrap();
         let whole = Symmetric::inverse_of_factor(lower.as_ref());
-        let found = ReflectedInverse::try_new(matrix.as_ref(), &reflection, 1e-12)
+        // The diagonal in two parts.
+        let rest = Mat::from_fn(n, n, |i, j| matrix[(i, j)] - if i == j { 0.5 * n as f64 } else { 0.0 });
+        let entries = (0..n).map(|i| (i, i, 0.5 * n as f64));
+        let found = ReflectedInverse::try_new(rest.as_ref(), entries, &reflection, 1e-12)
             .unwrap()
             .unwrap();
         let x: Vec<f64> = (0..n).map(|i| (1.0 + i as f64).cos()).collect();
@@ -435,7 +438,8 @@ fn the_inverse_by_reflected_parts_is_the_inverse() {
 fn a_matrix_that_the_reflection_changes_has_no_inverse_by_parts() {
     let (mut matrix, reflection) = reflected(40);
     let reflection = reflection.unwrap();
-    let inverse = |matrix: &Mat<f64>| ReflectedInverse::try_new(matrix.as_ref(), &reflection, 1e-12).unwrap();
+    let none = std::iter::empty;
+    let inverse = |matrix: &Mat<f64>| ReflectedInverse::try_new(matrix.as_ref(), none(), &reflection, 1e-12).unwrap();
     assert!(inverse(&matrix).is_some());
     let size = (matrix[(0, 0)] * matrix[(12, 12)]).sqrt();
     for (i, j) in [(0, 12), (12, 0)] {
@@ -460,6 +464,6 @@ fn a_matrix_that_the_reflection_changes_has_no_inverse_by_parts() {
 fn what_is_not_definite_is_refused_by_parts_too() {
     let matrix = Mat::from_fn(2, 2, |i, j| if i == j { 1.0 } else { 2.0 });
     let reflection = Reflection::try_new(vec![(1, 1.0), (0, 1.0)]).unwrap();
-    let refused = ReflectedInverse::try_new(matrix.as_ref(), &reflection, 1e-12);
+    let refused = ReflectedInverse::try_new(matrix.as_ref(), std::iter::empty(), &reflection, 1e-12);
     assert!(matches!(refused, Err(Error::NotPositiveDefinite { .. })), "{refused:?}");
 }
