@@ -301,10 +301,10 @@ impl Assembly {
             mass.take_all(&mut own.inertia, known.inertia);
         }
         if !(springs.is_empty() && superelements.is_empty()) {
-            stiffness.is_one();
+            stiffness.stays();
         }
         if !(rigid_masses.is_empty() && masses.is_empty() && superelements.is_empty()) {
-            mass.is_one();
+            mass.stays();
         }
         let is_same = is_paired
             && materials == known.mesh.materials
@@ -403,8 +403,8 @@ impl Factor {
         own.iter_mut().zip(known).for_each(|(own, known)| self.take(own, known));
     }
 
-    /// Notes numbers that must be the same.
-    fn is_one(&mut self) {
+    /// Notes that some numbers are the same in both.
+    fn stays(&mut self) {
         self.take(&mut 1.0, 1.0);
     }
 
