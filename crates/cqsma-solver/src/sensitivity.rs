@@ -13,8 +13,8 @@
 //! Q', A' or H' = sum over vertices of  w_k (M phi)' v_k + m^T (load' - K' v - dF/dp) + l^T dS/dp,   plus  l^T s' of the static state :
 //! ```
 //!
-//! at most three linear solves per vertex, whatever the number of parameters. The result belongs to the discrete loop: to its vertices and its number of cycles,
-//! which are held.
+//! at most three linear solves per vertex, whatever the number of parameters. The result belongs to the discrete loop: to its vertices and its
+//! number of cycles, which are held.
 //!
 //! All of `F` and `S` is differentiated by the force itself, on the branch that it takes. That matters more than it seems: a point that slipped
 //! on first loading and shakes down returns to its slip limit to rounding, at every peak. A difference between neighbouring values of the
@@ -536,15 +536,12 @@ impl<F: DifferentiableForce> Companion<'_, F> {
             by_history.iter_mut().for_each(|values| values.fill(0.0));
             let before = before.map(|(number, _)| &self.vertices[*number]);
             let before = before.filter(|before| before.is_committed);
-            let [u, u_before] = [Some(vertex), before].map(|vertex| {
-                let v = vertex.map_or(&[][..], |vertex| &vertex.v);
-                equilibrium
-                    .reference
-                    .iter()
-                    .zip(v)
-                    .map(|(u, v)| u + v)
-                    .collect::<Vec<f64>>()
-            });
+            let displacement = |vertex: &Vertex<F>| -> Vec<f64> {
+                let terms = equilibrium.reference.iter().zip(&vertex.v);
+                terms.map(|(u, v)| u + v).collect()
+            };
+            let (u, u_before) = (displacement(vertex), before.map(displacement));
+            let before = before.zip(u_before.as_ref()).map(|(before, u)| before.step(u));
             force.transposed(
                 vertex.step(&u),
                 way,
@@ -552,7 +549,7 @@ impl<F: DifferentiableForce> Companion<'_, F> {
                 &forces,
                 &mut by_displacement[first..],
                 &mut gradients[first..],
-                before.map(|before| (before.step(&u_before), &mut by_history[first..])),
+                before.map(|before| (before, &mut by_history[first..])),
             );
             for (at, (sum, parameter)) in sums.iter_mut().zip(parameters).enumerate() {
                 let mut right: Vec<f64> = parameter.unit.iter().map(|unit| vertex.at * unit).collect();

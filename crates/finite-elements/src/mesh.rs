@@ -264,35 +264,14 @@ impl Assembly {
     /// Factors of stiffness and mass, if the matrices of this assembly are those of `known` times them and all else is the same: constraints, loads
     /// and positions. Nothing is assembled for it.
     pub fn multiple_of(&self, known: &Self) -> Option<[f64; 2]> {
-        let Self {
-            mesh: Mesh {
-                nodes,
-                elements,
-                materials,
-            },
-            ties,
-            couplings,
-            shanks,
-            cuts,
-            rigid_masses,
-            equations,
-            supports,
-            springs,
-            masses,
-            superelements,
-            loads,
-        } = self;
-        // With the numbers of the other one where a factor may be between them: what differs then has no factor.
-        let mut materials = materials.clone();
-        let mut shanks = shanks.clone();
-        let is_paired = materials.len() == known.mesh.materials.len() && shanks.len() == known.shanks.len();
-        let mut stiffness = Factor::default();
-        let mut mass = Factor::default();
-        for (own, known) in materials.iter_mut().zip(&known.mesh.materials) {
+        // With the numbers of the other one where a factor may be between them: nothing else may differ.
+        let mut same = self.clone();
+        let (mut stiffness, mut mass) = (Factor::default(), Factor::default());
+        for (own, known) in same.mesh.materials.iter_mut().zip(&known.mesh.materials) {
             stiffness.take(&mut own.youngs_modulus, known.youngs_modulus);
             mass.take(&mut own.density, known.density);
         }
-        for (own, known) in shanks.iter_mut().zip(&known.shanks) {
+        for (own, known) in same.shanks.iter_mut().zip(&known.shanks) {
             stiffness.take(&mut own.axial, known.axial);
             stiffness.take_all(&mut own.bending, known.bending);
             stiffness.take_all(&mut own.shear, known.shear);
@@ -300,28 +279,14 @@ impl Assembly {
             mass.take(&mut own.mass, known.mass);
             mass.take_all(&mut own.inertia, known.inertia);
         }
-        if !(springs.is_empty() && superelements.is_empty()) {
+        if !(self.springs.is_empty() && self.superelements.is_empty()) {
             stiffness.stays();
         }
-        if !(rigid_masses.is_empty() && masses.is_empty() && superelements.is_empty()) {
+        if !(self.rigid_masses.is_empty() && self.masses.is_empty() && self.superelements.is_empty()) {
             mass.stays();
         }
-        let is_same = is_paired
-            && materials == known.mesh.materials
-            && shanks == known.shanks
-            && *elements == known.mesh.elements
-            && *nodes == known.mesh.nodes
-            && *ties == known.ties
-            && *couplings == known.couplings
-            && *cuts == known.cuts
-            && *rigid_masses == known.rigid_masses
-            && *equations == known.equations
-            && *supports == known.supports
-            && *springs == known.springs
-            && *masses == known.masses
-            && *superelements == known.superelements
-            && *loads == known.loads;
-        stiffness.found().zip(mass.found()).filter(|_| is_same).map(Into::into)
+        let factors = stiffness.found().zip(mass.found());
+        factors.filter(|_| same == *known).map(Into::into)
     }
 
     /// Turns all quantities from units of `length` (m), `mass` (kg) and seconds into SI.
