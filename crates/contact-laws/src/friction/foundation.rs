@@ -215,21 +215,13 @@ impl Foundation {
     fn errors_in(
         sets: &[Self],
         reference: &Self,
-        (interferences, cycles): (&[f64], &[(f64, Range<usize>)]),
+        of: (&[f64], &[(f64, Range<usize>)]),
         reach: f64,
         smallest: f64,
     ) -> [f64; 3] {
         let sets: Vec<_> = sets.iter().map(Self::parts).collect();
         let forms: [&dyn Fn(f64) -> f64; 2] = [&|w| w, &|_| 1.0];
-        let gross = reach - reference.gaps[0];
-        relative_errors(
-            &sets,
-            reference.parts(),
-            interferences,
-            (cycles, gross),
-            smallest,
-            forms,
-        )
+        relative_errors(&sets, reference.parts(), of, reach, smallest, forms)
     }
 
     fn parts(&self) -> [&[f64]; 2] {

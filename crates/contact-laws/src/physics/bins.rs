@@ -114,8 +114,14 @@ impl AsperityBins {
         let forms: [&dyn Fn(f64) -> f64; 2] = [&|w| w * root(w), &root];
         let interferences: Vec<f64> = between_third_and_whole(reach, 40).collect();
         let cycles: Vec<(f64, Range<usize>)> = interferences.iter().map(|u| (*u, 0..sets.len())).collect();
-        let cycles = (cycles.as_slice(), reach - reference.gaps[0]);
-        relative_errors(&sets, reference.parts(), &interferences, cycles, smallest, forms)
+        relative_errors(
+            &sets,
+            reference.parts(),
+            (&interferences, &cycles),
+            reach,
+            smallest,
+            forms,
+        )
     }
 
     fn parts(&self) -> [&[f64]; 2] {
@@ -248,23 +254,24 @@ fn gauss_rule(gaps: &GapDistribution, begin: f64, end: f64) -> impl Iterator<Ite
     // Without cancellation: the product of both is -1.
     let far = half + length.copysign(half);
     let near = -1.0 / far;
-    let share = if two { -near / (far - near) } else { 1.0 };
-    let [far, near] = if two { [far, near] } else { [0.0; 2] };
+    // The lower gap first: where the skewness is none but for round-off, either is the far one.
+    let [lower, upper] = if two { [far.max(near), far.min(near)] } else { [0.0; 2] };
+    let share = if two { -upper / (lower - upper) } else { 1.0 };
     let points = [
-        (end - (mean + deviation * far), mass * share),
-        (end - (mean + deviation * near), mass * (1.0 - share)),
+        (end - (mean + deviation * lower), mass * share),
+        (end - (mean + deviation * upper), mass * (1.0 - share)),
     ];
     points.into_iter().filter(|(_, mass)| *mass > 0.0)
 }
 
 /// [`AsperityBins::errors`] of gaps and numbers of contacts, of which each has a normal force and a tangential stiffness that depend on its
-/// interference: of both at some interferences, and of cycles at others, each with the numbers of its sets, up to an amplitude at which contacts
-/// below the interference `gross` slip.
+/// interference: of both at some interferences, and of cycles at others, each with the numbers of its sets, up to the amplitude at which all contacts
+/// slip whose surface is closed to `reach`.
 pub(crate) fn relative_errors(
     sets: &[[&[f64]; 2]],
     reference: [&[f64]; 2],
-    interferences: &[f64],
-    (cycles, gross): (&[(f64, Range<usize>)], f64),
+    (interferences, cycles): (&[f64], &[(f64, Range<usize>)]),
+    reach: f64,
     smallest: f64,
     [force, stiffness]: [&dyn Fn(f64) -> f64; 2],
 ) -> [f64; 3] {
@@ -287,6 +294,7 @@ pub(crate) fn relative_errors(
         }
         (found / expected - 1.0).abs()
     };
+    let gross = reach - reference[0].iter().copied().fold(f64::INFINITY, f64::min);
     let amplitudes = (0..=12).map(|i| gross * smallest.powf(f64::from(i) / 12.0));
     [
         error(force),

@@ -27,7 +27,8 @@ fn few_gauss_bins_do_what_many_equally_spaced_ones_do() {
     let asperity = Asperity::try_new(ElasticPair::new(192.31e9, 0.3), radius, None).unwrap();
 
     let reach = 18e-6;
-    let gauss = |n, shifts: &[f64]| AsperityBins::gauss(asperity, &population, n, reach, shifts).unwrap();
+    let gauss_up_to = |reach, n, shifts: &[f64]| AsperityBins::gauss(asperity, &population, n, reach, shifts).unwrap();
+    let gauss = |n, shifts: &[f64]| gauss_up_to(reach, n, shifts);
     let finest = &gauss(1000, &[0.0])[0];
     let shifts: Vec<f64> = (0..16)
         .map(|i| (0.5 + f64::from(i) * 0.618_033_988_749_895).fract())
@@ -43,6 +44,17 @@ fn few_gauss_bins_do_what_many_equally_spaced_ones_do() {
         println!("{name}: {}", found.map(|e| format!("{e:.1e}")).join(" "));
         for (found, stated) in found.into_iter().zip(stated) {
             assert!(found <= stated && found > 0.5 * stated, "{name}: {found:e} {stated:e}");
+        }
+    }
+
+    // The reach is found by a solver: what it rounds to must not choose a number of bins.
+    let expected = errors(&gauss(12, &shifts), finest, reach);
+    for ulps in 1..=20 {
+        let reach = f64::from_bits(reach.to_bits() + ulps);
+        let finest = &gauss_up_to(reach, 1000, &[0.0])[0];
+        let found = errors(&gauss_up_to(reach, 12, &shifts), finest, reach);
+        for (found, expected) in found.into_iter().zip(expected) {
+            assert!((found - expected).abs() <= 1e-9, "{ulps}: {found:e} {expected:e}");
         }
     }
 }

@@ -778,6 +778,7 @@ fn bins_of_a_population() {
             mean(&bins),
             mean(&fine)
         );
+        assert!(bins.gaps().is_sorted(), "{bins:?}");
     }
     for n in [0, MAX_BINS + 1] {
         assert!(AsperityBins::equally_spaced(asperity, &population, n).is_err());
