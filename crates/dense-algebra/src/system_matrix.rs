@@ -3,7 +3,7 @@
 use crate::blocks::BlockMatrix;
 use crate::{Error, Krylov, Symmetric, cholesky_in_place, lowest_pairs, product};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::{Accum, Mat, MatMut, MatRef, Par, unzip, zip};
 
 /// Most vectors of all steps.
 const MOST_VECTORS: usize = 600;
@@ -119,7 +119,12 @@ impl<'a> SystemMatrixRef<'a> {
     pub fn plus(self, factor: f64, other: SystemMatrixRef<'_>) -> SystemMatrix {
         match (self, other) {
             (Self::Blocks(own), SystemMatrixRef::Blocks(other)) => SystemMatrix::Blocks(own.plus(factor, other)),
-            (Self::Dense(own), SystemMatrixRef::Dense(other)) => SystemMatrix::Dense(own + other * faer::Scale(factor)),
+            (Self::Dense(own), SystemMatrixRef::Dense(other)) => {
+                // A product with the factor would be one copy more of what may be large.
+                let mut sum = own.to_owned();
+                zip!(&mut sum, other).for_each(|unzip!(a, b)| *a += factor * b);
+                SystemMatrix::Dense(sum)
+            }
             (own, other) => SystemMatrix::Dense(own.to_dense() + other.to_dense() * faer::Scale(factor)),
         }
     }

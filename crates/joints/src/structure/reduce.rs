@@ -83,7 +83,7 @@ impl Structure {
         )?;
         go_on(progress)?;
         check_closing(&reduced)?;
-        let facts = self.facts(&assembled, &mut reduced, &springs, full)?;
+        let facts = self.facts(assembled, &mut reduced, &springs, full)?;
         let model = StructuralModel { reduced, facts };
         let stored = cache.map(|directory| {
             cache::store(directory, &key, &model.reduced, &model.facts)?;
@@ -240,11 +240,14 @@ impl Structure {
     /// Compares the reduced model with the frequencies of the full one, after leaving out the modes that the wanted accuracy does not need.
     fn facts(
         &self,
-        assembled: &Assembled<'_>,
+        assembled: Assembled<'_>,
         reduced: &mut ReducedModel,
         springs: &CsMat<f64>,
         full: Vec<f64>,
     ) -> Result<Facts, Error> {
+        let n_dofs = assembled.relative.stiffness.rows();
+        // It would be in the way of the dense matrices of the reduced model.
+        drop(assembled.relative);
         let is_locked = self.locks;
         let (zem_unstressed, unstressed) = checks::unstressed_spectrum(reduced, N_CHECKED)?;
         let vibrating = |reduced: &ReducedModel| match is_locked {
@@ -285,14 +288,14 @@ impl Structure {
         Ok(Facts {
             n_nodes: assembled.n_nodes,
             n_elements: assembled.n_elements,
-            n_dofs: assembled.relative.stiffness.rows(),
+            n_dofs,
             mass: assembled.mass,
             zem_unstressed,
             unstressed_frequencies_hz: unstressed,
             penalty_frequencies_hz: full,
             penalty_error: error,
             coupling_tolerance: self.settings.coupling_tolerance,
-            carried: assembled.carried.clone(),
+            carried: assembled.carried,
         })
     }
 
