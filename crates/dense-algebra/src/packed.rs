@@ -210,9 +210,14 @@ impl WithSimd for Product<'_> {
 /// `y += columns factors`; returns the products of the columns with `x`.
 #[inline(always)]
 fn block<S: Simd>(simd: S, columns: [&[f64]; WIDTH], factors: [f64; WIDTH], x: &[f64], y: &mut [f64]) -> [f64; WIDTH] {
-    let [(c0, r0), (c1, r1), (c2, r2), (c3, r3)] = columns.map(|c| S::as_simd_f64s(c));
+    // Without closures: their code would not be that of the wide registers.
+    let [c0, c1, c2, c3] = columns;
+    let ((c0, r0), (c1, r1)) = (S::as_simd_f64s(c0), S::as_simd_f64s(c1));
+    let ((c2, r2), (c3, r3)) = (S::as_simd_f64s(c2), S::as_simd_f64s(c3));
     let ((x, x_rest), (y, y_rest)) = (S::as_simd_f64s(x), S::as_mut_simd_f64s(y));
-    let [f0, f1, f2, f3] = factors.map(|f| simd.splat_f64s(f));
+    let [f0, f1, f2, f3] = factors;
+    let (f0, f1) = (simd.splat_f64s(f0), simd.splat_f64s(f1));
+    let (f2, f3) = (simd.splat_f64s(f2), simd.splat_f64s(f3));
     let mut sums = [simd.splat_f64s(0.0); WIDTH];
     for (((((c0, c1), c2), c3), x), y) in c0.iter().zip(c1).zip(c2).zip(c3).zip(x).zip(y) {
         sums[0] = simd.mul_add_e_f64s(*c0, *x, sums[0]);
@@ -224,7 +229,13 @@ fn block<S: Simd>(simd: S, columns: [&[f64]; WIDTH], factors: [f64; WIDTH], x: &
         let right = simd.mul_add_e_f64s(*c2, f2, simd.mul_add_e_f64s(*c3, f3, *y));
         *y = simd.add_f64s(left, right);
     }
-    let mut out = sums.map(|sum| simd.reduce_sum_f64s(sum));
+    let [s0, s1, s2, s3] = sums;
+    let mut out = [
+        simd.reduce_sum_f64s(s0),
+        simd.reduce_sum_f64s(s1),
+        simd.reduce_sum_f64s(s2),
+        simd.reduce_sum_f64s(s3),
+    ];
     for i in 0..x_rest.len() {
         let row = [r0[i], r1[i], r2[i], r3[i]];
         for (out, c) in out.iter_mut().zip(row) {
