@@ -29,7 +29,7 @@ pub(super) static CASES: &[Case] = &[
     },
     Case {
         name: "resolved-mu-1e-9-and-10",
-        change: "friction resolved over asperities, with mu = 1e-9 and 10",
+        change: "friction resolved over asperities in 16 bins, with mu = 1e-9 and 10",
         expected: "hardly any damping and free sliding; hardly any damping and no sliding",
         run: resolved_friction,
     },
@@ -149,6 +149,8 @@ fn resolved_friction(bench: &Bench) -> Result<Findings> {
         bench.run(|scene| {
             resolve(scene);
             scene.interfaces.mu = mu;
+            // Between few bins at the rims of contact the frequency changes by 1.1e-5 over the first loop.
+            scene.interfaces.law.bins = Bins::Gauss(16);
         })
     };
     let (little, much) = (with(1e-9)?, with(10.0)?);
