@@ -112,7 +112,8 @@ impl AsperityBins {
     pub fn errors(sets: &[Self], reference: &Self, reach: f64, smallest: f64) -> [f64; 3] {
         let sets: Vec<_> = sets.iter().map(Self::parts).collect();
         let forms: [&dyn Fn(f64) -> f64; 2] = [&|w| w * root(w), &root];
-        // Few would fall on either side of the kinks at single bins: with 40 the energy of 10 bins differs by 4e-4, with 400 and 4000 by 2.7e-4.
+        // Few would fall on either side of the kinks at single bins: on the same asperities up to 20.4 um the energy of 10 bins differs by 3.7e-4
+        // with 40, by 2.7e-4 with 400 and 4000.
         let interferences: Vec<f64> = between_third_and_whole(reach, 400).collect();
         let cycles: Vec<(f64, Range<usize>)> = interferences.iter().map(|u| (*u, 0..sets.len())).collect();
         relative_errors(
