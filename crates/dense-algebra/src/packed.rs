@@ -210,7 +210,7 @@ impl WithSimd for Product<'_> {
 /// `y += columns factors`; returns the products of the columns with `x`.
 #[inline(always)]
 fn block<S: Simd>(simd: S, columns: [&[f64]; WIDTH], factors: [f64; WIDTH], x: &[f64], y: &mut [f64]) -> [f64; WIDTH] {
-    // Without closures: their code would not be that of the wide registers.
+    // Without closures: in builds of several codegen units they are functions of their own, without the wide registers.
     let [c0, c1, c2, c3] = columns;
     let ((c0, r0), (c1, r1)) = (S::as_simd_f64s(c0), S::as_simd_f64s(c1));
     let ((c2, r2), (c3, r3)) = (S::as_simd_f64s(c2), S::as_simd_f64s(c3));
