@@ -16,8 +16,8 @@ const ASSEMBLING: f64 = 1.4e-5;
 /// Of a structure of 100 000 unknowns, and the power of their number that it goes with.
 const FACTORING: (f64, f64) = (7.6, 1.2);
 
-/// Of the reduction that goes with the factorisation, and the rest per number of the reduced matrices to the power.
-const REDUCING: (f64, f64, f64) = (0.3, 3.4e-9, 1.25);
+/// Per number of the reduced matrices to the power.
+const REDUCING: (f64, f64) = (1.7e-9, 1.25);
 
 /// Per interface.
 const CHARACTERISING: f64 = 0.3;
@@ -69,10 +69,7 @@ pub(super) fn expect(scene: &Scene, structure: &Structure, progress: &dyn Progre
     let expect = |stage, seconds| progress.expect(stage, Expected::Seconds(seconds));
     expect(Stage::Assemble, ASSEMBLING * unknowns as f64);
     expect(Stage::Factor, in_part(factor));
-    expect(
-        Stage::Reduce,
-        in_part(REDUCING.0 * factor + REDUCING.1 * entries.powf(REDUCING.2)),
-    );
+    expect(Stage::Reduce, in_part(REDUCING.0 * entries.powf(REDUCING.1)));
     let laws = CHARACTERISING * structure.joint.parts.len().max(1) as f64;
     let scans = MEASURING * structure.interface().elements.len() as f64;
     expect(Stage::Characterise, laws + if is_scanned { scans } else { 0.0 });

@@ -15,6 +15,8 @@ pub struct Krylov {
     projected: Mat<f64>,
     /// Basis vectors whose image the next block is.
     source: Range<usize>,
+    /// The first so many are left out of all others, and of the pairs that are found.
+    n_left_out: usize,
 }
 
 impl Krylov {
@@ -30,7 +32,14 @@ impl Krylov {
             basis,
             projected: Mat::zeros(room, room),
             source: 0..0,
+            n_left_out: 0,
         }
+    }
+
+    /// Leaves these orthonormal vectors out of all that are appended; they count as vectors of the basis. For an empty one.
+    pub fn leave_out(&mut self, multiply: &Product<'_>, known: MatRef<'_, f64>) {
+        self.append(multiply, known.to_owned());
+        self.n_left_out = self.size();
     }
 
     /// Vectors.
@@ -46,8 +55,8 @@ impl Krylov {
         // The block as it came is basis * along + block * upper.
         let mut along = Mat::<f64>::zeros(size, width);
         let mut upper = Mat::<f64>::identity(width, width);
+        multiply(block.as_ref(), momentum.as_mut());
         for _ in 0..2 {
-            multiply(block.as_ref(), momentum.as_mut());
             let initial: Vec<f64> = (0..block.ncols())
                 .map(|j| dot(block.col_as_slice(j), momentum.col_as_slice(j)).max(0.0).sqrt())
                 .collect();
@@ -80,8 +89,10 @@ impl Krylov {
 
     /// Eigenpairs of the projected operator over the vectors whose images are known, descending.
     fn ritz(&self) -> Result<(Vec<f64>, Mat<f64>, usize), Error> {
-        let known = self.source.end;
+        let first = self.n_left_out;
+        let known = self.source.end.saturating_sub(first);
         let h = Mat::from_fn(known, known, |i, j| {
+            let (i, j) = (first + i, first + j);
             0.5 * (self.projected[(i, j)] + self.projected[(j, i)])
         });
         let (ascending, columns) = crate::symmetric_eigen(h.as_ref())?;
@@ -104,10 +115,10 @@ impl Krylov {
         let tail = self.source.clone();
         Ok((0..wanted).all(|pair| {
             let mut squares = 0.0;
-            for row in known..self.size() {
+            for row in self.source.end..self.size() {
                 let sum: f64 = tail
                     .clone()
-                    .map(|j| self.projected[(row, j)] * vectors[(j, pair)])
+                    .map(|j| self.projected[(row, j)] * vectors[(j - self.n_left_out, pair)])
                     .sum();
                 squares += sum * sum;
             }
@@ -124,7 +135,7 @@ impl Krylov {
         let take = wanted.min(known);
         let mut shapes = Mat::zeros(self.basis.nrows(), take);
         let leading = vectors.subcols(0, take);
-        product_into(shapes.as_mut(), self.basis.subcols(0, known), leading);
+        product_into(shapes.as_mut(), self.basis.subcols(self.n_left_out, known), leading);
         values.truncate(take);
         Ok((values, shapes))
     }

@@ -1,8 +1,9 @@
 //! Stiffness or mass of a reduced structure: dense, or blocks with a coupling of low rank.
 
 use crate::blocks::BlockMatrix;
-use crate::{Error, Krylov, Symmetric, cholesky_in_place, lowest_pairs, product};
+use crate::{Error, Krylov, Symmetric, cholesky_in_place, lowest_pairs, product, solve_lower, solve_lower_transposed};
 use faer::linalg::matmul::matmul;
+use faer::reborrow::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, MatRef, Par, unzip, zip};
 
 /// Most vectors of all steps.
@@ -254,6 +255,23 @@ pub enum Inverse {
 }
 
 impl Factor {
+    /// `x = a^-1 x` for all columns.
+    ///
+    /// # Panics
+    /// If the number of rows does not fit.
+    pub fn solve_in_place(&self, mut x: MatMut<'_, f64>) {
+        match self {
+            Self::Whole(lower) => {
+                solve_lower(lower.as_ref(), x.rb_mut());
+                solve_lower_transposed(lower.as_ref(), x);
+            }
+            Self::Blocks(inverse) => {
+                let solved = inverse.product(x.rb());
+                x.copy_from(solved);
+            }
+        }
+    }
+
     /// The inverse.
     pub fn into_inverse(self) -> Inverse {
         match self {

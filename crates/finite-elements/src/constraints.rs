@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::mesh::{Assembly, BeyondTolerance, Coupling, CouplingKind, Cut, Dof, Face, Tie};
+use faer::Mat;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use sprs::{CsMat, TriMat};
 use std::collections::BTreeMap;
@@ -31,6 +32,7 @@ pub struct DofMap {
     pub untied: Vec<(usize, u32, f64)>,
     /// Position of each independent component (m).
     pub positions: Vec<[f64; 3]>,
+    n_couplings: usize,
 }
 
 impl DofMap {
@@ -39,6 +41,29 @@ impl DofMap {
         self.independent
             .binary_search(&(3 * node as usize + component as usize))
             .ok()
+    }
+
+    /// Unit translations along the axes, and unit rotations about them through a centre, over the independent components. Overlaps of bolts do not
+    /// move; how inner coordinates of superelements do is not known.
+    pub fn rigid_motions(&self, centre: [f64; 3]) -> Mat<f64> {
+        let n_nodal = 3 * self.coordinates.len();
+        let mut motions = Mat::zeros(self.independent.len(), 6);
+        for (row, (&full, at)) in self.independent.iter().zip(&self.positions).enumerate() {
+            let component = match full.checked_sub(n_nodal) {
+                None => full % 3,
+                Some(beyond) if beyond < 6 * self.n_couplings => beyond % 6,
+                Some(_) => continue,
+            };
+            motions[(row, component)] = 1.0;
+            if component >= 3 {
+                continue;
+            }
+            // A rotation about axis k moves the components next to it by its arms.
+            let [next, last] = [(component + 1) % 3, (component + 2) % 3];
+            motions[(row, 3 + next)] = at[last] - centre[last];
+            motions[(row, 3 + last)] = -(at[next] - centre[next]);
+        }
+        motions
     }
 
     /// Force over the independent components of unit actions at the given components of the assembly.
@@ -205,6 +230,7 @@ impl DofMap {
             largest_adjustment,
             untied,
             positions,
+            n_couplings: assembly.couplings.len(),
         })
     }
 }

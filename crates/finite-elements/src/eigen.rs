@@ -2,12 +2,13 @@
 //!
 //! Block Krylov subspace of `(K + sigma M)^-1 M` with full reorthogonalisation in the mass inner product, followed
 //! by a Rayleigh-Ritz step on one more inverse iteration and a residual check with the true matrices. The block finds
-//! repeated frequencies; the shift makes the matrix definite however many zero-energy modes there are.
+//! repeated frequencies; the shift makes the matrix definite however many zero-energy modes there are. Where these are known
+//! beforehand, no shift is needed ([`Pair`]).
 
 use crate::Error;
 use crate::factor::SparseCholesky;
-use crate::sparse::{diagonal, multiply_into};
-use dense_algebra::{Krylov, Limits, product_into};
+use crate::sparse::{diagonal, multiply, multiply_into};
+use dense_algebra::{Krylov, Limits, product, product_into};
 use faer::{Mat, MatMut, MatRef, unzip, zip};
 use sprs::CsMat;
 
@@ -23,6 +24,12 @@ const BLOCK: usize = Krylov::WIDTH;
 /// `omega^2` over [`shift`] from which a mode stores energy: motions without any are found at 1e-8 of it at most, and bodies on springs of 1 N/m
 /// must be told from them.
 const ENERGY: f64 = 1e-6;
+
+/// Modes found beside those that are wanted: room for the usual six rigid motions and a few mechanisms; more, if more turn up.
+const ROOM: usize = 8;
+
+/// Square of a length, of motions of unit length, below which one depends on the others.
+const INDEPENDENT: f64 = 1e-10;
 
 /// Most vectors of a subspace, relative to the number of modes.
 const MOST_VECTORS: usize = 20;
@@ -44,6 +51,16 @@ pub struct Modes {
 }
 
 impl Modes {
+    /// No modes of `n` coordinates.
+    pub fn none(n: usize) -> Self {
+        Self {
+            eigenvalues: Vec::new(),
+            shapes: Mat::zeros(n, 0),
+            n_zero: 0,
+            residual: 0.0,
+        }
+    }
+
     /// Frequencies of the modes that store energy (Hz).
     pub fn frequencies(&self) -> Vec<f64> {
         self.eigenvalues[self.n_zero..]
@@ -63,6 +80,29 @@ impl Modes {
     }
 }
 
+/// Products with a stiffness and a mass, and solves, from which [`Pair::lowest_modes`] finds modes.
+pub struct Pair<'a> {
+    /// `y = K x` for all columns.
+    pub stiffness: &'a Product<'a>,
+    /// `y = M x` for all columns.
+    pub mass: &'a Product<'a>,
+    /// `x = (K + sigma M)^-1 x` for all columns, which are forces. Without a shift, what of them is not in equilibrium may be left out, and
+    /// displacements may contain any of the known modes without energy.
+    pub solve: &'a Solve<'a>,
+    /// The shift `sigma` (rad^2/s^2).
+    pub sigma: f64,
+    /// `omega^2` from which a mode stores energy ([`least_energy`]).
+    pub energy: f64,
+    /// Mass-orthonormal modes without energy that are known; there may be none.
+    pub zero_energy: MatRef<'a, f64>,
+}
+
+/// `y = a x` for all columns.
+pub type Product<'a> = dyn Fn(MatRef<'_, f64>, MatMut<'_, f64>) + Sync + 'a;
+
+/// `x = a^-1 x` for all columns.
+pub type Solve<'a> = dyn Fn(MatMut<'_, f64>) + Sync + 'a;
+
 /// The shift that makes the stiffness definite: far above its round-off, about the first elastic mode of a slender body.
 ///
 /// The ratio of the traces is of the order of the square of the highest frequency of the mesh; round-off in `K` is
@@ -70,6 +110,16 @@ impl Modes {
 /// zero-energy modes swamp all others in round-off, a much larger one slows the iteration.
 pub fn shift(stiffness: &CsMat<f64>, mass: &CsMat<f64>) -> f64 {
     1e-8 * diagonal(stiffness).iter().sum::<f64>() / diagonal(mass).iter().sum::<f64>()
+}
+
+/// `omega^2` from which a mode of this pair stores energy.
+pub fn least_energy(stiffness: &CsMat<f64>, mass: &CsMat<f64>) -> f64 {
+    ENERGY * shift(stiffness, mass)
+}
+
+/// Whether all modes of so many coordinates are found where `n_elastic` are wanted: a subspace of most of the space gains nothing over the whole.
+pub fn finds_all(n: usize, n_elastic: usize) -> bool {
+    n <= WHOLE || n_elastic > n / 4
 }
 
 /// The `n_elastic` lowest modes that store energy, or all that have mass if there are fewer, and all that do not.
@@ -102,34 +152,215 @@ pub fn lowest_modes_within(
     tolerance: f64,
 ) -> Result<Modes, Error> {
     let n = stiffness.rows();
-    // A subspace of most of the space gains nothing over the whole.
-    if n <= WHOLE || n_elastic > n / 4 {
+    if finds_all(n, n_elastic) {
         return all_modes(stiffness, mass, n_elastic);
     }
     let sigma = shift(stiffness, mass);
-    let vectors = (size_of::<f64>() * n * krylov_limit(n_elastic + 8, 0, n)) as u64;
-    let beside = (vectors, solves(n_elastic + 8));
+    let vectors = (size_of::<f64>() * n * krylov_limit(n_elastic + ROOM, 0, n)) as u64;
+    let beside = (vectors, solves(n_elastic + ROOM));
     let (factor, limits) =
         SparseCholesky::of_sum(stiffness, sigma, mass, positions, "shifted stiffness", beside, limits)?;
-    // The estimate of what has converged within a subspace may be too good. Then a larger one is needed.
-    let mut least = 0;
-    loop {
-        let found = subspace(stiffness, mass, (&factor, sigma), n_elastic, tolerance, least, limits)?;
-        let wanted = n_elastic.min(found.modes.eigenvalues.len() - found.modes.n_zero);
-        if found.converged >= wanted {
-            return Ok(found.modes);
+    let none = Mat::zeros(n, 0);
+    let pair = Pair {
+        stiffness: &with(stiffness),
+        mass: &with(mass),
+        solve: &|x| factor.solve_in_place(x),
+        sigma,
+        energy: ENERGY * sigma,
+        zero_energy: none.as_ref(),
+    };
+    pair.lowest_modes(n_elastic, tolerance, limits)
+}
+
+/// Products with a matrix.
+fn with(a: &CsMat<f64>) -> impl Fn(MatRef<'_, f64>, MatMut<'_, f64>) + Sync {
+    |x, y| multiply_into(a, x, y)
+}
+
+/// The motions that cost no energy among combinations of the columns of `candidates`, mass-orthonormal; columns may depend on one another.
+///
+/// # Errors
+/// If the eigenvalues of the small matrices of the candidates do not converge.
+pub fn zero_energy_motions(
+    stiffness: &CsMat<f64>,
+    mass: &CsMat<f64>,
+    candidates: MatRef<'_, f64>,
+) -> Result<Mat<f64>, Error> {
+    let m = candidates.ncols();
+    let gram = product(candidates.transpose(), multiply(mass, candidates).as_ref());
+    let scale: Vec<f64> = (0..m)
+        .map(|i| gram[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip())
+        .collect();
+    let unit = Mat::from_fn(m, m, |i, j| 0.5 * (gram[(i, j)] + gram[(j, i)]) * scale[i] * scale[j]);
+    let (lengths, combinations) = dense_algebra::symmetric_eigen(unit.as_ref())?;
+    let dependent = lengths.iter().take_while(|length| **length < INDEPENDENT).count();
+    let combinations = Mat::from_fn(m, m - dependent, |i, j| {
+        scale[i] * combinations[(i, dependent + j)] / lengths[dependent + j].sqrt()
+    });
+    let basis = product(candidates, combinations.as_ref());
+    let (values, shapes) = rayleigh_ritz(&with(stiffness), &with(mass), basis.as_ref())?;
+    let limit = least_energy(stiffness, mass);
+    let count = values.iter().take_while(|value| **value < limit).count();
+    Ok(shapes.subcols(0, count).to_owned())
+}
+
+impl Pair<'_> {
+    /// The `n_elastic` lowest modes that store energy, after all that do not.
+    ///
+    /// # Errors
+    /// As [`lowest_modes_within`].
+    pub fn lowest_modes(&self, n_elastic: usize, tolerance: f64, limits: Limits<'_>) -> Result<Modes, Error> {
+        // The estimate of what has converged within a subspace may be too good. Then a larger one is needed.
+        let mut least = 0;
+        loop {
+            let found = self.subspace(n_elastic, tolerance, least, limits)?;
+            let wanted = n_elastic.min(found.modes.eigenvalues.len() - found.modes.n_zero);
+            if found.converged >= wanted {
+                return Ok(found.modes);
+            }
+            let next = found.vectors + 6 * BLOCK;
+            if next > self.size().min(MOST_VECTORS * (n_elastic + ROOM)) {
+                return Err(Error::EigenNotConverged {
+                    converged: found.converged,
+                    wanted: n_elastic,
+                    tolerance,
+                    vectors: found.vectors,
+                    worst: found.modes.residual,
+                });
+            }
+            least = next;
         }
-        let next = found.vectors + 6 * BLOCK;
-        if next > n.min(MOST_VECTORS * (n_elastic + 8)) {
-            return Err(Error::EigenNotConverged {
-                converged: found.converged,
-                wanted: n_elastic,
-                tolerance,
-                vectors: found.vectors,
-                worst: found.modes.residual,
-            });
+    }
+
+    /// Coordinates.
+    fn size(&self) -> usize {
+        self.zero_energy.nrows()
+    }
+
+    /// As [`Self::lowest_modes`], from a subspace of `least` vectors at least, whatever their residuals.
+    fn subspace(
+        &self,
+        n_elastic: usize,
+        tolerance: f64,
+        least: usize,
+        limits: Limits<'_>,
+    ) -> Result<SubspaceModes, Error> {
+        let n = self.size();
+        let mut wanted = (n_elastic + ROOM).min(n);
+        let (eigenvalues, shapes, n_zero, vectors) = loop {
+            let (vectors, basis) = self.krylov_basis((wanted, n_elastic), least, tolerance, limits)?;
+            let (eigenvalues, shapes) = rayleigh_ritz(self.stiffness, self.mass, basis.as_ref())?;
+            let n_zero = count_zero(&eigenvalues, self.energy);
+            if n_zero + n_elastic <= eigenvalues.len() || wanted == n {
+                break (eigenvalues, shapes, n_zero, vectors);
+            }
+            wanted = (n_zero + n_elastic + ROOM).max(2 * wanted).min(n);
+        };
+        let keep = (n_zero + n_elastic).min(eigenvalues.len());
+        let elastic = shapes.subcols(n_zero, keep - n_zero);
+        let mut residual = Mat::zeros(n, elastic.ncols());
+        let mut momentum = residual.clone();
+        (self.stiffness)(elastic, residual.as_mut());
+        (self.mass)(elastic, momentum.as_mut());
+        for (mode, w2) in eigenvalues[n_zero..keep].iter().enumerate() {
+            zip!(residual.col_mut(mode), momentum.col(mode)).for_each(|unzip!(r, m)| *r -= w2 * m);
         }
-        least = next;
+        // Plain lengths would count the round-off of the stiffest components most, which move the least: with nearly
+        // incompressible material they would never be small.
+        let residual_lengths = self.lengths(residual);
+        let (mut worst, mut converged) = (0.0_f64, 0);
+        for (mode, w2) in eigenvalues[n_zero..keep].iter().enumerate() {
+            let shifted = w2 + self.sigma;
+            // The mode is (K + sigma M)^-1 [r + (omega^2 + sigma) M phi], has no part in the residual r and unit mass, so that the
+            // momentum has this length.
+            let square = residual_lengths[mode].powi(2) / shifted;
+            let momentum_length = ((1.0 + square) / shifted).sqrt();
+            let relative = residual_lengths[mode] / (shifted * momentum_length);
+            worst = worst.max(relative);
+            converged += usize::from(relative <= tolerance);
+        }
+        Ok(SubspaceModes {
+            modes: Modes {
+                eigenvalues: eigenvalues[..keep].to_vec(),
+                shapes: shapes.subcols(0, keep).to_owned(),
+                n_zero,
+                residual: worst,
+            },
+            vectors,
+            converged,
+        })
+    }
+
+    /// Lengths of forces in the norm of the inverse of the shifted stiffness.
+    fn lengths(&self, forces: Mat<f64>) -> Vec<f64> {
+        let mut motions = forces.clone();
+        (self.solve)(motions.as_mut());
+        (0..forces.ncols())
+            .map(|j| {
+                let work: f64 = forces
+                    .col(j)
+                    .iter()
+                    .zip(motions.col(j).iter())
+                    .map(|(a, b)| a * b)
+                    .sum();
+                work.max(0.0).sqrt()
+            })
+            .collect()
+    }
+
+    /// Approximations of the `wanted` lowest modes, and the size of the subspace they come from, `least` vectors if there are so many. Those without energy and
+    /// `n_elastic` of the others are found to the `tolerance`.
+    fn krylov_basis(
+        &self,
+        (wanted, n_elastic): (usize, usize),
+        least: usize,
+        tolerance: f64,
+        limits: Limits<'_>,
+    ) -> Result<(usize, Mat<f64>), Error> {
+        let n = self.size();
+        let limit = krylov_limit(wanted, least, n);
+        let is_zero = |theta: &&f64| 1.0 / **theta < self.sigma + self.energy;
+        let needed = |values: &[f64]| (values.iter().take_while(is_zero).count() + n_elastic).min(wanted);
+        let n_known = self.zero_energy.ncols();
+        let mut krylov = Krylov::new(n, limit + n_known);
+        krylov.leave_out(self.mass, self.zero_energy);
+        let mut block = dense_algebra::scattered(n, BLOCK.min(n));
+        // Motions that can be, not any.
+        (self.solve)(block.as_mut());
+        loop {
+            if limits.stops() {
+                return Err(Error::Interrupted);
+            }
+            block = krylov.append(self.mass, block);
+            let size = krylov.size() - n_known;
+            // One more inverse iteration and the Rayleigh-Ritz step make the true residual ten times smaller than the Ritz residual, or more.
+            let done = size >= least.max(2 * wanted) && krylov.converged(needed, tolerance)?;
+            if done || size >= limit || block.ncols() == 0 {
+                break;
+            }
+            (self.solve)(block.as_mut());
+            krylov.follow(block.ncols());
+            limits.done(size as f64 / solves(wanted).max(size + wanted) as f64);
+        }
+        // The zero-energy modes dominate the projected operator, and its round-off mixes the higher modes with their
+        // neighbours: keep those too, and let the Rayleigh-Ritz step with the true stiffness part them.
+        let (_, shapes) = krylov.ritz_pairs(wanted + BLOCK)?;
+        let size = krylov.size() - n_known;
+        // What follows takes as much memory.
+        drop(krylov);
+        // One more inverse iteration damps what is left of the stiff components.
+        let mut image = Mat::zeros(n, shapes.ncols());
+        (self.mass)(shapes.as_ref(), image.as_mut());
+        (self.solve)(image.as_mut());
+        // It also blows up what the higher modes contain of the zero-energy ones, by omega^2 / sigma: orthogonalise, the
+        // lowest first.
+        let mut polished = Krylov::new(n, n_known + image.ncols());
+        polished.leave_out(self.mass, self.zero_energy);
+        for first in (0..image.ncols()).step_by(BLOCK) {
+            let width = BLOCK.min(image.ncols() - first);
+            polished.append(self.mass, image.subcols(first, width).to_owned());
+        }
+        Ok((size, polished.into_basis()))
     }
 }
 
@@ -142,79 +373,6 @@ struct SubspaceModes {
     converged: usize,
 }
 
-/// As [`lowest_modes`], from a subspace of `least` vectors at least, whatever their residuals.
-fn subspace(
-    stiffness: &CsMat<f64>,
-    mass: &CsMat<f64>,
-    (factor, sigma): (&SparseCholesky, f64),
-    n_elastic: usize,
-    tolerance: f64,
-    least: usize,
-    limits: Limits<'_>,
-) -> Result<SubspaceModes, Error> {
-    let n = stiffness.rows();
-    // Room for the usual six rigid motions and a few mechanisms; more, if more turn up.
-    let mut wanted = (n_elastic + 8).min(n);
-    let (eigenvalues, shapes, n_zero, vectors) = loop {
-        let (vectors, basis) = krylov_basis(mass, (factor, sigma), (wanted, n_elastic), least, tolerance, limits)?;
-        let (eigenvalues, shapes) = rayleigh_ritz(stiffness, mass, basis.as_ref())?;
-        let n_zero = count_zero(&eigenvalues, ENERGY * sigma);
-        if n_zero + n_elastic <= eigenvalues.len() || wanted == n {
-            break (eigenvalues, shapes, n_zero, vectors);
-        }
-        wanted = (n_zero + n_elastic + 8).max(2 * wanted).min(n);
-    };
-    let keep = (n_zero + n_elastic).min(eigenvalues.len());
-    let elastic = shapes.subcols(n_zero, keep - n_zero);
-    let mut residual = Mat::zeros(n, elastic.ncols());
-    let mut momentum = residual.clone();
-    multiply_into(stiffness, elastic, residual.as_mut());
-    multiply_into(mass, elastic, momentum.as_mut());
-    for (mode, w2) in eigenvalues[n_zero..keep].iter().enumerate() {
-        zip!(residual.col_mut(mode), momentum.col(mode)).for_each(|unzip!(r, m)| *r -= w2 * m);
-    }
-    // Plain lengths would count the round-off of the stiffest components most, which move the least: with nearly
-    // incompressible material they would never be small.
-    let residual_lengths = lengths(factor, residual);
-    let (mut worst, mut converged) = (0.0_f64, 0);
-    for (mode, w2) in eigenvalues[n_zero..keep].iter().enumerate() {
-        // The mode is (K + sigma M)^-1 [r + (omega^2 + sigma) M phi], has no part in the residual r and unit mass, so that the
-        // momentum has this length.
-        let square = residual_lengths[mode].powi(2) / (w2 + sigma);
-        let momentum_length = ((1.0 + square) / (w2 + sigma)).sqrt();
-        let relative = residual_lengths[mode] / ((w2 + sigma) * momentum_length);
-        worst = worst.max(relative);
-        converged += usize::from(relative <= tolerance);
-    }
-    Ok(SubspaceModes {
-        modes: Modes {
-            eigenvalues: eigenvalues[..keep].to_vec(),
-            shapes: shapes.subcols(0, keep).to_owned(),
-            n_zero,
-            residual: worst,
-        },
-        vectors,
-        converged,
-    })
-}
-
-/// Lengths of forces in the norm of the inverse of the factorised stiffness.
-fn lengths(factor: &SparseCholesky, forces: Mat<f64>) -> Vec<f64> {
-    let mut motions = forces.clone();
-    factor.solve_in_place(motions.as_mut());
-    (0..forces.ncols())
-        .map(|j| {
-            let work: f64 = forces
-                .col(j)
-                .iter()
-                .zip(motions.col(j).iter())
-                .map(|(a, b)| a * b)
-                .sum();
-            work.max(0.0).sqrt()
-        })
-        .collect()
-}
-
 /// How many of the ascending eigenvalues are round-off: below the `limit`, or 1e-6 of the first above it.
 pub fn count_zero(eigenvalues: &[f64], limit: f64) -> usize {
     let first = eigenvalues.iter().copied().find(|w2| *w2 > limit).unwrap_or(limit);
@@ -225,12 +383,7 @@ pub fn count_zero(eigenvalues: &[f64], limit: f64) -> usize {
 /// The lowest modes of a small pair, found with all others.
 fn all_modes(stiffness: &CsMat<f64>, mass: &CsMat<f64>, n_elastic: usize) -> Result<Modes, Error> {
     let n = stiffness.rows();
-    let mut modes = Modes {
-        eigenvalues: Vec::new(),
-        shapes: Mat::zeros(n, 0),
-        n_zero: 0,
-        residual: 0.0,
-    };
+    let mut modes = Modes::none(n);
     if n == 0 {
         return Ok(modes);
     }
@@ -249,7 +402,7 @@ fn all_modes(stiffness: &CsMat<f64>, mass: &CsMat<f64>, n_elastic: usize) -> Res
     let basis = Mat::from_fn(n, n - massless, |i, j| {
         vectors[(i, n - 1 - j)] / inverse[n - 1 - j].sqrt()
     });
-    (modes.eigenvalues, modes.shapes) = rayleigh_ritz(stiffness, mass, basis.as_ref())?;
+    (modes.eigenvalues, modes.shapes) = rayleigh_ritz(&with(stiffness), &with(mass), basis.as_ref())?;
     let largest = modes.eigenvalues.last().map_or(0.0, |w2| w2.abs());
     // Above the round-off of the decomposition, which is relative to the largest.
     modes.n_zero = count_zero(&modes.eigenvalues, (ENERGY * sigma).max(1e-13 * largest));
@@ -269,67 +422,16 @@ fn krylov_limit(wanted: usize, least: usize, n: usize) -> usize {
     (6 * wanted + 60).max(least).min(n)
 }
 
-/// Approximations of the `wanted` lowest modes, and the size of the subspace they come from, `least` vectors if there are so many. Those without energy and
-/// `n_elastic` of the others are found to the `tolerance`.
-fn krylov_basis(
-    mass: &CsMat<f64>,
-    (factor, sigma): (&SparseCholesky, f64),
-    (wanted, n_elastic): (usize, usize),
-    least: usize,
-    tolerance: f64,
-    limits: Limits<'_>,
-) -> Result<(usize, Mat<f64>), Error> {
-    let n = mass.rows();
-    let limit = krylov_limit(wanted, least, n);
-    let multiply = |x: MatRef<'_, f64>, y: MatMut<'_, f64>| multiply_into(mass, x, y);
-    let is_zero = |theta: &&f64| 1.0 / **theta < (1.0 + ENERGY) * sigma;
-    let needed = |values: &[f64]| (values.iter().take_while(is_zero).count() + n_elastic).min(wanted);
-    let mut krylov = Krylov::new(n, limit);
-    let mut block = dense_algebra::scattered(n, BLOCK.min(n));
-    loop {
-        if limits.stops() {
-            return Err(Error::Interrupted);
-        }
-        block = krylov.append(&multiply, block);
-        // The true residual weighs the stiffest components most, the Ritz residual the softest: demand more of it.
-        let done = krylov.size() >= least.max(2 * wanted) && krylov.converged(needed, 1e-3 * tolerance)?;
-        if done || krylov.size() >= limit || block.ncols() == 0 {
-            break;
-        }
-        factor.solve_in_place(block.as_mut());
-        krylov.follow(block.ncols());
-        limits.done(krylov.size() as f64 / solves(wanted).max(krylov.size() + wanted) as f64);
-    }
-    // The zero-energy modes dominate the projected operator, and its round-off mixes the higher modes with their
-    // neighbours: keep those too, and let the Rayleigh-Ritz step with the true stiffness part them.
-    let (_, shapes) = krylov.ritz_pairs(wanted + BLOCK)?;
-    let size = krylov.size();
-    // What follows takes as much memory.
-    drop(krylov);
-    // One more inverse iteration damps what is left of the stiff components.
-    let mut image = Mat::zeros(n, shapes.ncols());
-    multiply_into(mass, shapes.as_ref(), image.as_mut());
-    factor.solve_in_place(image.as_mut());
-    // It also blows up what the higher modes contain of the zero-energy ones, by omega^2 / sigma: orthogonalise, the
-    // lowest first.
-    let mut polished = Krylov::new(n, image.ncols());
-    for first in (0..image.ncols()).step_by(BLOCK) {
-        let width = BLOCK.min(image.ncols() - first);
-        polished.append(&multiply, image.subcols(first, width).to_owned());
-    }
-    Ok((size, polished.into_basis()))
-}
-
 /// Eigenpairs of the pair projected on the columns of `basis`, with mass-normalised vectors.
 fn rayleigh_ritz(
-    stiffness: &CsMat<f64>,
-    mass: &CsMat<f64>,
+    stiffness: &Product<'_>,
+    mass: &Product<'_>,
     basis: MatRef<'_, f64>,
 ) -> Result<(Vec<f64>, Mat<f64>), Error> {
     let (n, m) = (basis.nrows(), basis.ncols());
     let mut image = Mat::zeros(n, m);
-    let mut project = |a: &CsMat<f64>| {
-        multiply_into(a, basis, image.as_mut());
+    let mut project = |a: &Product<'_>| {
+        a(basis, image.as_mut());
         let mut small = Mat::<f64>::zeros(m, m);
         product_into(small.as_mut(), basis.transpose(), image.as_ref());
         Mat::from_fn(m, m, |i, j| 0.5 * (small[(i, j)] + small[(j, i)]))

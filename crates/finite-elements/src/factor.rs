@@ -10,8 +10,8 @@
 
 use crate::Error;
 use crate::groups::{Completed, Grouping, Groups, joined};
-use crate::ordering::{Dissection, Part, nested_dissection};
-use crate::sparse::{LANES, entries, from_unsorted_rows, sum};
+use crate::ordering::{Dissection, Ordered, Part, nested_dissection};
+use crate::sparse::{LANES, sum};
 use dense_algebra::{
     Limits, SystemMatrix, add_product, add_product_lower, cholesky_in_place, mirror_lower, product_into, solve_lower,
     solve_lower_transposed,
@@ -163,8 +163,9 @@ impl SparseCholesky {
         (beside, solves): (u64, usize),
         limits: Limits<'a>,
     ) -> Result<(Self, Limits<'a>), Error> {
-        // The elimination has what it needs of the sum, which would be in the way of the factor.
-        let elimination = Elimination::new(&[&sum(stiffness, sigma, mass)], positions, &Groups::none(), &[]);
+        let sum = sum(stiffness, sigma, mass);
+        let beside = beside + ((size_of::<f64>() + size_of::<usize>()) * sum.nnz()) as u64;
+        let elimination = Elimination::new(&[&sum], positions, &Groups::none(), &[]);
         elimination.refuse_too_large(beside, name, limits)?;
         let (own, entries) = elimination.work();
         let share = own / (own + SOLVING * entries * solves as f64);
@@ -211,10 +212,11 @@ impl SparseCholesky {
         if let (Some(grouping), Some(left)) = (&elimination.grouping, &mut left) {
             let done = std::mem::take(&mut left.done);
             let [stiffness, mass] = joined(grouping, done, &left.matrices, |which| {
-                let own = elimination.matrices[which]
-                    .iter()
-                    .filter(|(_, (row, _))| *row >= rows.start);
-                own.map(|(value, (row, column))| (row - rows.start, column - rows.start, *value))
+                let own = rows.clone().flat_map(|row| {
+                    let later = elimination.ordered.row(which, row);
+                    later.map(move |(column, value)| (row, column, value))
+                });
+                own.map(|(row, column, value)| (row - rows.start, column - rows.start, value))
                     .collect()
             });
             return Ok((factor, Condensed { stiffness, mass }));
@@ -387,11 +389,10 @@ impl Front {
     }
 }
 
-/// A stiffness, and perhaps a mass, in the order of their elimination, kept rows last.
-struct Elimination {
+/// An elimination that is laid out.
+struct Elimination<'a> {
     dissection: Dissection,
-    /// Their upper triangles: row `k` is column `k` of the lower ones.
-    matrices: Vec<CsMat<f64>>,
+    ordered: Ordered<'a>,
     /// For each part the later positions that it touches by itself or through its children.
     beyond: Vec<Vec<usize>>,
     /// How kept rows are grouped, if they are.
@@ -413,28 +414,17 @@ struct Blocks {
     update: Mat<f64>,
 }
 
-impl Elimination {
-    fn new(matrices: &[&CsMat<f64>], positions: &[[f64; 3]], kept: &Groups, held: &[usize]) -> Self {
-        let (n, n_kept) = (positions.len(), kept.len());
+impl<'a> Elimination<'a> {
+    fn new(matrices: &[&'a CsMat<f64>], positions: &[[f64; 3]], kept: &Groups, held: &[usize]) -> Self {
+        let n_kept = kept.len();
         let dissection = nested_dissection(matrices[0], positions, n_kept);
         let order: Vec<usize> = dissection.order.iter().copied().chain(0..n_kept).collect();
-        let mut position = vec![0; n];
-        for (at, &row) in order.iter().enumerate() {
-            position[row] = at;
-        }
-        let mut is_held = vec![false; n];
-        held.iter().for_each(|&row| is_held[row] = true);
-        let none_is_held = vec![false; n];
-        let matrices: Vec<_> = matrices
-            .iter()
-            .zip([&is_held, &none_is_held])
-            .map(|(matrix, alone)| upper_triangle(matrix, &order, &position, alone))
-            .collect();
-        let beyond = positions_beyond(&dissection, &matrices);
-        let grouping = Grouping::try_new(kept, &dissection, &matrices);
+        let ordered = Ordered::new(matrices, order, held);
+        let beyond = positions_beyond(&dissection, &ordered);
+        let grouping = Grouping::try_new(kept, &dissection, &ordered);
         Self {
             dissection,
-            matrices,
+            ordered,
             beyond,
             grouping,
         }
@@ -458,7 +448,7 @@ impl Elimination {
                 Some(grouping) => grouping.expected(found.len(), beyond),
                 None => beyond.len(),
             };
-            let n_matrices = self.matrices.len();
+            let n_matrices = self.n_matrices();
             let (mut waiting, mut most) = (0, 0);
             for &child in &part.children {
                 most = most.max(waiting + found[child][1]);
@@ -470,8 +460,16 @@ impl Elimination {
             peak = peak.max(factor + most);
             found.push([n_matrices * below * below, most]);
         }
-        let entries: usize = self.matrices.iter().map(CsMat::nnz).sum();
-        (size_of::<f64>() * peak + (size_of::<f64>() + size_of::<usize>()) * entries) as u64
+        (size_of::<f64>() * peak) as u64
+    }
+
+    fn n_matrices(&self) -> usize {
+        self.ordered.matrices.len()
+    }
+
+    /// All rows, of which some are kept.
+    fn n_rows(&self) -> usize {
+        self.ordered.order.len()
     }
 
     /// Rows of a part and, as far as is expected, rows beyond it.
@@ -490,7 +488,7 @@ impl Elimination {
         sizes.fold((0.0, 0.0), |(work, entries), sizes| {
             let [own, below] = sizes;
             (
-                work + operations(sizes, self.matrices.len()).iter().sum::<f64>(),
+                work + operations(sizes, self.n_matrices()).iter().sum::<f64>(),
                 entries + own * (0.5 * own + below),
             )
         })
@@ -504,7 +502,7 @@ impl Elimination {
             done: AtomicU64::new(0),
         };
         let parts = &self.dissection.parts;
-        let n_kept = self.matrices[0].rows() - self.dissection.order.len();
+        let n_kept = self.n_rows() - self.dissection.order.len();
         let order = self.dissection.order.iter().map(|row| row - n_kept).collect();
         let (fronts, left) = match parts.len() {
             0 => (Vec::new(), None),
@@ -545,11 +543,11 @@ impl Elimination {
         if self.grouping.is_some() {
             // Joints may see more of one another than was expected.
             let (own, below) = (rows.len(), beyond.len());
-            let needed = (size_of::<f64>() * self.matrices.len() * (own + below) * (own + below)) as u64;
+            let needed = (size_of::<f64>() * self.n_matrices() * (own + below) * (own + below)) as u64;
             refuse_beyond(needed, name, tally.limits)?;
         }
         let [factor, solve, product, follow_up, momentum, twice] =
-            operations([rows.len() as f64, beyond.len() as f64], self.matrices.len());
+            operations([rows.len() as f64, beyond.len() as f64], self.n_matrices());
         let n = self.dissection.order.len();
         let Blocks {
             own,
@@ -560,7 +558,7 @@ impl Elimination {
             dense_algebra::Error::NotPositiveDefinite { pivot, .. } => Error::NotPositiveDefinite {
                 matrix: name,
                 pivot: self.dissection.order[rows.start + pivot],
-                size: self.matrices[0].rows(),
+                size: self.n_rows(),
             },
             other => other.into(),
         })?;
@@ -571,7 +569,7 @@ impl Elimination {
         add_product_lower(update.as_mut(), below.as_ref(), below.transpose(), -1.0);
         tally.add(product)?;
         let mut matrices = vec![update];
-        if self.matrices.len() > 1 {
+        if self.n_matrices() > 1 {
             let mut mass = self.assemble(1, &rows, &beyond, &mut children);
             mirror_lower(mass.own.as_mut());
             // The rows follow those beyond by follow^T: their momentum, and that of the rows beyond, is felt there.
@@ -612,9 +610,7 @@ impl Elimination {
             false => n_own + beyond.partition_point(|&other| other < position),
         };
         for (column, row) in rows.clone().enumerate() {
-            let matrix = &self.matrices[which];
-            let range = matrix.indptr().outer_inds_sz(row);
-            for (&position, &value) in matrix.indices()[range.clone()].iter().zip(&matrix.data()[range]) {
+            for (position, value) in self.ordered.row(which, row) {
                 match local(position) {
                     i if i < n_own => own[(i, column)] = value,
                     i => below[(i - n_own, column)] = value,
@@ -690,30 +686,15 @@ fn refuse_beyond(needed: u64, matrix: &'static str, limits: Limits<'_>) -> Resul
     }
 }
 
-/// The upper triangle of a symmetric matrix in the given order: row `k` holds the entries of the row `order[k]` at its own and
-/// later positions. What couples a row that is `alone` is zero.
-fn upper_triangle(matrix: &CsMat<f64>, order: &[usize], position: &[usize], alone: &[bool]) -> CsMat<f64> {
-    from_unsorted_rows(matrix.shape(), |at| {
-        let row = order[at];
-        entries(matrix, row).filter_map(move |(column, value)| {
-            let is_coupling = row != column && (alone[row] || alone[column]);
-            let value = if is_coupling { 0.0 } else { value };
-            (position[column] >= at).then_some((position[column], value))
-        })
-    })
-}
-
 /// For each part the positions after it that it touches by itself or through its children, ascending.
-fn positions_beyond(dissection: &Dissection, matrices: &[CsMat<f64>]) -> Vec<Vec<usize>> {
+fn positions_beyond(dissection: &Dissection, ordered: &Ordered<'_>) -> Vec<Vec<usize>> {
     let mut beyond: Vec<Vec<usize>> = Vec::with_capacity(dissection.parts.len());
-    let mut seen = vec![usize::MAX; matrices[0].rows()];
+    let mut seen = vec![usize::MAX; ordered.order.len()];
     for (number, part) in dissection.parts.iter().enumerate() {
-        let own = matrices.iter().flat_map(|matrix| {
-            let touched = |row| &matrix.indices()[matrix.indptr().outer_inds_sz(row)];
-            part.rows.clone().flat_map(touched)
-        });
+        let own = part.rows.clone().flat_map(|row| ordered.touched(row));
         let mut found = Vec::new();
-        for &position in own.chain(part.children.iter().flat_map(|&child| &beyond[child])) {
+        let of_children = part.children.iter().flat_map(|&child| beyond[child].iter().copied());
+        for position in own.chain(of_children) {
             if position >= part.rows.end && seen[position] != number {
                 seen[position] = number;
                 found.push(position);

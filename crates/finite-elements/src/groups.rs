@@ -5,7 +5,7 @@
 //! `B X B^T` to the group, or `B X B_h^T` to it and another one: `B^T` times the rows is carried on in the place of the group. Where branches of the
 //! elimination meet, what they carry is united in a node of a tree, of which fewer combinations are carried on in the same way.
 
-use crate::ordering::Dissection;
+use crate::ordering::{Dissection, Ordered};
 use dense_algebra::{BlockMatrix, Node, Symmetric, SystemMatrix, Tree, leading_basis, product, symmetric};
 use faer::Mat;
 use sprs::CsMat;
@@ -136,7 +136,7 @@ enum Rows {
 
 impl Grouping {
     /// None if there is one group.
-    pub(crate) fn try_new(groups: &Groups, dissection: &Dissection, matrices: &[CsMat<f64>]) -> Option<Self> {
+    pub(crate) fn try_new(groups: &Groups, dissection: &Dissection, ordered: &Ordered<'_>) -> Option<Self> {
         if groups.sizes.len() < 2 {
             return None;
         }
@@ -155,14 +155,9 @@ impl Grouping {
         let n_parts = dissection.parts.len();
         let mut touching = vec![vec![0_u32; n_parts]; groups.sizes.len()];
         for (number, part) in dissection.parts.iter().enumerate() {
-            for matrix in matrices {
-                for row in part.rows.clone() {
-                    for &position in &matrix.indices()[matrix.indptr().outer_inds_sz(row)] {
-                        if position >= first {
-                            touching[found.group(position)][number] = 1;
-                        }
-                    }
-                }
+            let touched = part.rows.clone().flat_map(|row| ordered.touched(row));
+            for position in touched.filter(|&position| position >= first) {
+                touching[found.group(position)][number] = 1;
             }
         }
         for counts in touching {

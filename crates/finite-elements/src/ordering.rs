@@ -10,6 +10,7 @@
 //! less, a separator therefore changes places with one below it: then a long part is eliminated from its ends on, and
 //! cuts leave rows on one side.
 
+use crate::sparse::entries;
 use sprs::CsMat;
 use std::ops::Range;
 
@@ -41,6 +42,50 @@ pub struct Part {
     pub rows: Range<usize>,
     /// Numbers of the parts that must be eliminated before; no others reach this part.
     pub children: Vec<usize>,
+}
+
+/// A stiffness, and perhaps a mass, in the order of their elimination, kept rows last.
+pub(crate) struct Ordered<'a> {
+    pub(crate) matrices: Vec<&'a CsMat<f64>>,
+    /// The row at each position, and the position of each row.
+    pub(crate) order: Vec<usize>,
+    position: Vec<usize>,
+    /// Whether the stiffness couples a row to no others.
+    is_held: Vec<bool>,
+}
+
+impl<'a> Ordered<'a> {
+    pub(crate) fn new(matrices: &[&'a CsMat<f64>], order: Vec<usize>, held: &[usize]) -> Self {
+        let n = order.len();
+        let mut position = vec![0; n];
+        for (at, &row) in order.iter().enumerate() {
+            position[row] = at;
+        }
+        let mut is_held = vec![false; n];
+        held.iter().for_each(|&row| is_held[row] = true);
+        Self {
+            matrices: matrices.to_vec(),
+            order,
+            position,
+            is_held,
+        }
+    }
+
+    /// The entries of a row of one of the matrices at its own and later positions.
+    pub(crate) fn row(&self, which: usize, at: usize) -> impl Iterator<Item = (usize, f64)> {
+        let row = self.order[at];
+        let is_alone = move |row: usize| which == 0 && self.is_held[row];
+        entries(self.matrices[which], row).filter_map(move |(column, value)| {
+            let is_coupling = row != column && (is_alone(row) || is_alone(column));
+            let value = if is_coupling { 0.0 } else { value };
+            (self.position[column] >= at).then_some((self.position[column], value))
+        })
+    }
+
+    /// Its own and later positions that a row touches in any of the matrices.
+    pub(crate) fn touched(&self, at: usize) -> impl Iterator<Item = usize> {
+        (0..self.matrices.len()).flat_map(move |which| self.row(which, at).map(|(position, _)| position))
+    }
 }
 
 /// Dissects all rows but the first `n_kept`.

@@ -1,6 +1,7 @@
 //! Operations on compressed sparse row matrices that the sparse container lacks: blocked products and submatrices.
 
-use faer::{MatMut, MatRef};
+use faer::{Mat, MatMut, MatRef};
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use sprs::CsMat;
 
@@ -31,21 +32,51 @@ pub fn multiply_into(a: &CsMat<f64>, x: MatRef<'_, f64>, y: MatMut<'_, f64>) {
             }
         });
         let parts = out.par_row_chunks_mut(GROUP).enumerate();
-        parts.for_each(|(part, mut out)| {
-            for i in 0..out.nrows() {
-                let mut sum = [0.0; LANES];
-                for (column, value) in entries(a, part * GROUP + i) {
-                    let lanes = &packed[column];
-                    for lane in 0..LANES {
-                        sum[lane] += value * lanes[lane];
-                    }
-                }
-                for lane in 0..width {
-                    out[(i, lane)] = sum[lane];
-                }
-            }
+        parts.for_each(|(part, out)| {
+            let first = part * GROUP;
+            let packed = packed.as_slice();
+            Arch::new().dispatch(LanesOfRows { a, first, packed, out });
         });
     });
+}
+
+/// As [`multiply_into`], in a matrix of its own.
+///
+/// # Panics
+/// If the shapes do not fit.
+pub fn multiply(a: &CsMat<f64>, x: MatRef<'_, f64>) -> Mat<f64> {
+    let mut y = Mat::zeros(a.rows(), x.ncols());
+    multiply_into(a, x, y.as_mut());
+    y
+}
+
+/// Rows of a product, from the row `first` of the matrix on.
+struct LanesOfRows<'a> {
+    a: &'a CsMat<f64>,
+    first: usize,
+    packed: &'a [[f64; LANES]],
+    out: MatMut<'a, f64>,
+}
+
+impl WithSimd for LanesOfRows<'_> {
+    type Output = ();
+
+    // Products and sums of all lanes are instructions of the widest registers that there are; they are not fused, so that all machines find the same bits.
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, _: S) {
+        for i in 0..self.out.nrows() {
+            let mut sum = [0.0; LANES];
+            for (column, value) in entries(self.a, self.first + i) {
+                let lanes = &self.packed[column];
+                for lane in 0..LANES {
+                    sum[lane] += value * lanes[lane];
+                }
+            }
+            for lane in 0..self.out.ncols() {
+                self.out[(i, lane)] = sum[lane];
+            }
+        }
+    }
 }
 
 /// `y = a * x` for one vector.

@@ -9,9 +9,9 @@ pub enum Stage {
     Mesh,
     /// Assembling mass and stiffness.
     Assemble,
-    /// Factorising it, and its modes with the interface stuck.
+    /// Factorising it and condensing it onto the interface, its modes with the interface stuck, and its frequencies to check the reduced model by.
     Factor,
-    /// Reducing the model (this and the two before are skipped when the cache holds it).
+    /// Putting the reduced model together and checking it (this and the two before are skipped when the cache holds it).
     Reduce,
     /// From surface to traction laws.
     Characterise,

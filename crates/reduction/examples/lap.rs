@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]; // n points from top to bottom
     let system = System::try_new(&blocks)?;
     let relative = RelativeSystem::try_new(&system, InterfacePairs { top, bottom, frame })?;
-    let reduced = reduce(&relative, &[], Settings::default(), &|_| {}, Limits::default())?;
+    let reduced = reduce(&relative, &[], Settings::default(), Limits::default())?;
     let springs = sprs::CsMat::eye(relative.n_relative).map(|one: &f64| 1e7 * one);
     let full = checks::full_frequencies(&relative, Some(&springs), 4, 1e-7, Limits::default())?.1;
     let small = checks::reduced_spectrum(&reduced, &springs, 4)?.frequencies;

@@ -6,8 +6,9 @@
 //! the jump, and with `K_rr X = -K_rD` the few other products with it are solves.
 
 use crate::Error;
-use crate::interior::Interior;
-use crate::part_modes::{modes_of_parts, modes_of_rest};
+use crate::full_modes::{LinearCheck, frequencies_with_springs};
+use crate::interior::{Interior, Retained};
+use crate::part_modes::{condense_with_modes, modes_of_parts};
 use crate::relative::RelativeSystem;
 use crate::symmetry::Parts;
 use crate::zem::Supported;
@@ -16,8 +17,9 @@ use faer::{Mat, MatRef};
 use finite_elements::eigen::Modes;
 use finite_elements::factor::Condensed;
 use finite_elements::groups::Groups;
-use finite_elements::sparse::multiply_into;
+use finite_elements::sparse::multiply;
 use sprs::CsMat;
+use std::borrow::Cow;
 
 /// Columns of the condensed matrices that are found again by solves.
 const N_COMPARED: usize = 8;
@@ -31,8 +33,9 @@ const SEEN: f64 = 1e-2;
 /// Relative distance of eigenvalues whose modes are turned together.
 const EQUAL: f64 = 2e-4;
 
-/// Share of the time of condensing and what follows that condensing takes.
-const CONDENSING: f64 = 0.8;
+/// Share of the time of a part that condensing and its modes take, and up to which frequencies are checked.
+const MODES: f64 = 0.75;
+const CHECKING: f64 = 0.95;
 
 /// What to retain and what to expect.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -196,18 +199,7 @@ impl ReducedModel {
     }
 }
 
-/// How far a reduction is; what is done of a step is between 0 and 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Step {
-    /// This much of the modes of the stuck structure is done.
-    Modes(f64),
-    /// The modes are found.
-    Condensing,
-    /// This much of condensing onto the jump is done.
-    Condensed(f64),
-}
-
-/// Reduces a system; `rows` are quantities to recover, each over `[jump; rest]`; `progress` hears how far it is; `limits` are asked at each front and block of vectors.
+/// Reduces a system; `rows` are quantities to recover, each over `[jump; rest]`; `limits` are asked at each front and block of vectors.
 ///
 /// # Errors
 /// [`Error::ZeroEnergyModes`] with both numbers, [`Error::UnbalancedLoad`], [`Error::DependentLoad`] with attachment
@@ -216,42 +208,61 @@ pub fn reduce(
     system: &RelativeSystem,
     rows: &[Vec<f64>],
     settings: Settings,
-    progress: &(dyn Fn(Step) + Sync),
     limits: Limits<'_>,
 ) -> Result<ReducedModel, Error> {
-    Ok(reduce_with_modes(system, rows, settings, progress, limits)?.0)
+    Ok(reduce_with_modes(Cow::Borrowed(system), rows, settings, None, limits)?.model)
 }
 
-/// The same with the modes that its basis is made of, which [`displacements`] needs.
+/// A reduced model, and what else its factors found.
+#[derive(Clone, Debug)]
+pub struct Reduction {
+    /// The model.
+    pub model: ReducedModel,
+    /// Modes of each part of the stuck structure that its basis is made of, which [`displacements`] needs.
+    pub modes: Vec<Modes>,
+    /// The lowest frequencies of the full system with the interface of the check (Hz); none without a check.
+    pub frequencies: Vec<f64>,
+}
+
+/// The same with the modes that its basis is made of, and if asked for with frequencies of the full system to `check` it by. A system that is given
+/// away is dropped as soon as it is in the way.
 ///
 /// # Errors
 /// As [`reduce`].
 pub fn reduce_with_modes(
-    system: &RelativeSystem,
+    system: Cow<'_, RelativeSystem>,
     rows: &[Vec<f64>],
     settings: Settings,
-    progress: &(dyn Fn(Step) + Sync),
+    check: Option<LinearCheck<'_>>,
     limits: Limits<'_>,
-) -> Result<(ReducedModel, Vec<Modes>), Error> {
-    reduce_parts(&parts_of(system, settings), rows, settings, progress, limits)
+) -> Result<Reduction, Error> {
+    let springs = check.map(|check| check.springs);
+    let parts = parts_of(system, springs, settings).separated();
+    reduce_parts(&parts, rows, settings, check, limits)
 }
 
-/// The modes of each part of the stuck structure that the basis of its reduction is made of.
+/// The modes of each part of the stuck structure that the basis of its reduction is made of; with a check, `springs` are those of it.
 ///
 /// # Errors
 /// As [`reduce`].
-pub fn modes_of_basis(system: &RelativeSystem, settings: Settings, limits: Limits<'_>) -> Result<Vec<Modes>, Error> {
-    stuck_modes(&parts_of(system, settings), settings, limits)
+pub fn modes_of_basis(
+    system: &RelativeSystem,
+    settings: Settings,
+    springs: Option<&CsMat<f64>>,
+    limits: Limits<'_>,
+) -> Result<Vec<Modes>, Error> {
+    let parts = parts_of(Cow::Borrowed(system), springs, settings);
+    Ok(reduce_parts(&parts, &[], settings, None, limits)?.modes)
 }
 
 /// The parts of a reduction.
-fn parts_of(system: &RelativeSystem, settings: Settings) -> Parts<'_> {
+fn parts_of<'a>(system: Cow<'a, RelativeSystem>, springs: Option<&CsMat<f64>>, settings: Settings) -> Parts<'a> {
     match settings.attachment_modes {
         // Joints are no images of themselves, but of one another.
         _ if settings.coupling_tolerance.is_some() => Parts::whole(system),
         // The response to a load that acts on several would be that of each of them, in more coordinates than one.
-        true => Parts::with_loads_in_one(system),
-        false => Parts::of(system, None),
+        true => Parts::with_loads_in_one(system, springs),
+        false => Parts::of(system, springs),
     }
 }
 
@@ -259,30 +270,29 @@ fn reduce_parts(
     parts: &Parts<'_>,
     rows: &[Vec<f64>],
     settings: Settings,
-    progress: &(dyn Fn(Step) + Sync),
+    check: Option<LinearCheck<'_>>,
     limits: Limits<'_>,
-) -> Result<(ReducedModel, Vec<Modes>), Error> {
-    let hear = |done| progress(Step::Modes(done));
-    let stuck = stuck_modes(parts, settings, limits.heard_by(&hear))?;
-    progress(Step::Condensing);
-    let hear = |done| progress(Step::Condensed(done));
-    let limits = limits.heard_by(&hear);
+) -> Result<Reduction, Error> {
+    let n = settings.n_reported.max(settings.n_modes);
+    let of_part = |part, n, limits: Limits<'_>| ReducedPart::try_new(parts, part, n, rows, settings, check, limits);
+    let mut reduced = modes_of_parts(parts, n, limits, of_part, |part| &part.modes)?;
+    let stuck: Vec<Modes> = (reduced.iter_mut())
+        .map(|part| std::mem::replace(&mut part.modes, Modes::none(0)))
+        .collect();
+    check_zero_energy(parts, &stuck, settings)?;
     let retained = retained(&stuck, settings.n_modes);
+    for (part, n_modes) in reduced.iter_mut().zip(retained) {
+        part.retain(n_modes)?;
+    }
     let zem_stuck = stuck.iter().map(|modes| modes.n_zero).sum();
     let mut stuck_frequencies: Vec<f64> = stuck.iter().flat_map(Modes::frequencies).collect();
     if parts.len() > 1 {
         stuck_frequencies.sort_by(f64::total_cmp);
-        stuck_frequencies.truncate(settings.n_reported.max(settings.n_modes));
+        stuck_frequencies.truncate(n);
     }
-    let mut reduced = parts.each(limits, |part, limits| {
-        let (system, stuck) = (parts.system(part), &stuck[part]);
-        let acting = acting_loads(parts, part, settings);
-        let kept = kept(&system, settings);
-        let (supported, condensed) =
-            Supported::condense(&system, stuck.zero_energy(), &kept, limits.part(0.0, CONDENSING))?;
-        let basis = Basis::try_new(&system, supported, stuck, retained[part], &acting)?;
-        ReducedPart::try_new(basis, condensed, &parts.onto(part, rows))
-    })?;
+    let mut frequencies: Vec<f64> = reduced.iter().flat_map(|part| part.checked.iter().copied()).collect();
+    frequencies.sort_by(f64::total_cmp);
+    frequencies.truncate(check.map_or(0, |check| check.count));
     let nd = parts.of_whole().n_relative;
     let order = order(reduced.iter().map(|part| (part.eigenvalues.clone(), part.n_attachment)));
     let n = nd + order.len();
@@ -356,7 +366,11 @@ fn reduce_parts(
         zem_stuck,
         asymmetry: reduced.iter().map(|part| part.asymmetry).fold(0.0, f64::max),
     };
-    Ok((model, stuck))
+    Ok(Reduction {
+        model,
+        modes: stuck,
+        frequencies,
+    })
 }
 
 /// For each jump coordinate of the whole that of a part which moves it, and by how much.
@@ -378,14 +392,8 @@ fn sum_over_jump<'a>(parts: impl Iterator<Item = (Mat<f64>, &'a JumpPlaces)>, nd
     whole
 }
 
-/// The modes of each part with a stuck interface; as many without energy as expected, and in equilibrium with all loads.
-fn stuck_modes(parts: &Parts<'_>, settings: Settings, limits: Limits<'_>) -> Result<Vec<Modes>, Error> {
-    let n = settings.n_reported.max(settings.n_modes);
-    let stuck = modes_of_parts(parts, n, limits, |part, n, limits| {
-        let modes = modes_of_rest(parts.system(part), n, settings.mode_tolerance, limits)?;
-        limits.done(1.0);
-        Ok(modes)
-    })?;
+/// Refuses parts that have not as many modes without energy as expected, or are not in equilibrium with all loads.
+fn check_zero_energy(parts: &Parts<'_>, stuck: &[Modes], settings: Settings) -> Result<(), Error> {
     let found = stuck.iter().map(|modes| modes.n_zero).sum();
     if found != settings.expected_zem {
         return Err(Error::ZeroEnergyModes {
@@ -398,7 +406,7 @@ fn stuck_modes(parts: &Parts<'_>, settings: Settings, limits: Limits<'_>) -> Res
             check_equilibrium(index, &load[load.len() - modes.shapes.nrows()..], modes)?;
         }
     }
-    Ok(stuck)
+    Ok(())
 }
 
 /// The jump, in the groups that become blocks.
@@ -442,14 +450,20 @@ fn order(parts: impl Iterator<Item = (Vec<f64>, usize)>) -> Vec<(usize, usize)> 
     modes.into_iter().map(|(_, place)| place).chain(attached).collect()
 }
 
-/// What is left of a part once its basis is dropped.
+/// What is left of a part once its basis is dropped. Columns beyond the jump are those of its interior, and of what is retained of it once that is known.
 struct ReducedPart {
+    /// Of the stuck part.
+    modes: Modes,
+    /// Its lowest frequencies with the interface of the check (Hz).
+    checked: Vec<f64>,
     /// Over the jump: lower triangles, or blocks without the momentum along zero-energy modes.
     condensed: Condensed,
     /// That momentum.
     momentum: Mat<f64>,
-    /// The mass between jump and modes.
+    interior: Interior,
+    /// The mass between jump and interior.
     coupling: Mat<f64>,
+    /// Of what is retained.
     eigenvalues: Vec<f64>,
     n_attachment: usize,
     loads: Mat<f64>,
@@ -458,34 +472,87 @@ struct ReducedPart {
 }
 
 impl ReducedPart {
-    fn try_new(basis: Basis<'_>, mut condensed: Condensed, rows: &[Vec<f64>]) -> Result<Self, Error> {
+    /// Of the part with this number, with its `n` lowest modes.
+    fn try_new(
+        parts: &Parts<'_>,
+        part: usize,
+        n: usize,
+        rows: &[Vec<f64>],
+        settings: Settings,
+        check: Option<LinearCheck<'_>>,
+        limits: Limits<'_>,
+    ) -> Result<Self, Error> {
+        let system = parts.system(part);
+        let kept = kept(&system, settings);
+        let (supported, mut condensed, modes) = condense_with_modes(
+            &system,
+            &kept,
+            n,
+            (settings.mode_tolerance, settings.expected_zem),
+            limits.part(0.0, MODES),
+        )?;
+        let checked = match check {
+            Some(check) => {
+                let springs = parts.springs(part, check.springs);
+                let check = LinearCheck {
+                    springs: &springs,
+                    ..check
+                };
+                let limits = limits.part(MODES, CHECKING);
+                frequencies_with_springs(&system, check, &supported, &condensed.stiffness, limits)?
+            }
+            None => Vec::new(),
+        };
+        let acting = acting_loads(parts, part, settings);
+        let basis = Basis::new(&system, supported, &modes, &acting);
         let asymmetry = basis.static_part.asymmetry(&condensed)?;
-        let loads = basis.onto(&basis.static_part.system.loads);
-        let recovery = basis.onto(rows);
+        let loads = basis.onto(&system.loads);
+        let recovery = basis.onto(&parts.onto(part, rows));
         let Basis {
             static_part,
+            shapes,
             interior,
-            n_attachment,
             momentum,
         } = basis;
-        let phi = &interior.shapes;
-        let overlap = product(static_part.supported.mass_modes.transpose(), phi.as_ref());
-        let coupling = static_part.momentum(phi.as_ref()) - product(momentum.as_ref(), overlap.as_ref());
+        let overlap = product(static_part.supported.mass_modes.transpose(), shapes.as_ref());
+        let coupling = static_part.momentum(shapes.as_ref()) - product(momentum.as_ref(), overlap.as_ref());
         // The factor takes more memory than all that follows.
         drop(static_part);
         if let SystemMatrix::Dense(mass) = &mut condensed.mass {
             add_product_lower(mass.as_mut(), momentum.as_ref(), momentum.transpose(), -1.0);
         }
+        limits.done(1.0);
         Ok(Self {
+            modes,
+            checked,
             condensed,
             momentum,
+            interior,
             coupling,
-            eigenvalues: interior.eigenvalues,
-            n_attachment,
+            eigenvalues: Vec::new(),
+            n_attachment: 0,
             loads,
             recovery,
             asymmetry,
         })
+    }
+
+    /// Leaves out all modes but the first ones.
+    fn retain(&mut self, n_modes: usize) -> Result<(), Error> {
+        let retained = self.interior.retained(n_modes)?;
+        let turn = retained.turn.as_ref();
+        let nd = self.momentum.nrows();
+        let turned = |rows: &Mat<f64>| {
+            let mut all = Mat::zeros(rows.nrows(), nd + turn.ncols());
+            all.subcols_mut(0, nd).copy_from(rows.subcols(0, nd));
+            all.subcols_mut(nd, turn.ncols())
+                .copy_from(product(rows.subcols(nd, turn.nrows()), turn));
+            all
+        };
+        (self.loads, self.recovery) = (turned(&self.loads), turned(&self.recovery));
+        self.coupling = product(self.coupling.as_ref(), turn);
+        (self.eigenvalues, self.n_attachment) = (retained.eigenvalues, retained.n_attachment);
+        Ok(())
     }
 
     /// Stiffness and mass over all coordinates, from those over the jump, of which modes come in this `order`, as blocks, if wanted only where these are smaller than dense matrices;
@@ -539,20 +606,20 @@ impl ReducedPart {
 /// Displacements over `[jump; rest]` in motions of a reduced model, which are the columns of `motions`.
 ///
 /// The basis is not part of the model: what of it are solves is factored again. `system`, `rows` and `settings` are those that `model` was made of, and `modes`
-/// those that came with it ([`reduce_with_modes`], [`modes_of_basis`]); it may have been truncated since. The `limits` are asked, and hear how much is done.
+/// those that came with it ([`reduce_with_modes`], [`modes_of_basis`]), with a check by `springs`; it may have been truncated since. The `limits` are asked, and hear how much is done.
 ///
 /// # Errors
 /// As [`reduce`]; [`Error::OtherModel`] if what `rows` recover from the displacements is not what the model recovers.
 pub fn displacements(
     system: &RelativeSystem,
     rows: &[Vec<f64>],
-    settings: Settings,
+    (settings, springs): (Settings, Option<&CsMat<f64>>),
     model: &ReducedModel,
     modes: &[Modes],
     motions: MatRef<'_, f64>,
     limits: Limits<'_>,
 ) -> Result<Mat<f64>, Error> {
-    let parts = parts_of(system, settings);
+    let parts = parts_of(Cow::Borrowed(system), springs, settings);
     let found = displacements_of_parts(&parts, settings, model, modes, motions, limits)?;
     let recovered = product(model.recovery.as_ref(), motions);
     for (i, row) in rows.iter().enumerate() {
@@ -588,7 +655,6 @@ fn displacements_of_parts(
     if !sizes.eq(systems.iter().map(|system| n_rest(system))) {
         return Err(Error::OtherModel { deviation: 1.0 });
     }
-    let retained = retained(stuck, settings.n_modes);
     let bases = parts.each(limits, |part, limits| {
         let system = &systems[part];
         let acting = acting_loads(parts, part, settings);
@@ -598,12 +664,14 @@ fn displacements_of_parts(
             // Signs of attachment modes follow from static responses, which must be those of the reduction to the last bit.
             false => Supported::condense(system, zero_energy, &kept(system, settings), limits)?.0,
         };
-        Basis::try_new(system, supported, &stuck[part], retained[part], &acting)
+        Ok(Basis::new(system, supported, &stuck[part], &acting))
     })?;
-    let of_basis = |basis: &Basis<'_>| (basis.interior.eigenvalues.clone(), basis.n_attachment);
-    let order = order(bases.iter().map(of_basis));
+    let retained = bases.iter().zip(retained(stuck, settings.n_modes));
+    let retained = retained.map(|(basis, n_modes)| basis.interior.retained(n_modes));
+    let retained: Vec<Retained> = retained.collect::<Result<_, _>>()?;
+    let order = order(retained.iter().map(|of| (of.eigenvalues.clone(), of.n_attachment)));
     let nd = parts.of_whole().n_relative;
-    let n_attachment: usize = bases.iter().map(|basis| basis.n_attachment).sum();
+    let n_attachment: usize = retained.iter().map(|of| of.n_attachment).sum();
     let left_out = order.len().checked_sub(model.n_modes() + model.n_attachment);
     let Some(left_out) = left_out.filter(|_| model.n_relative == nd && model.n_attachment == n_attachment) else {
         return Err(Error::OtherModel { deviation: 1.0 });
@@ -612,17 +680,18 @@ fn displacements_of_parts(
     let last = order.len() - n_attachment;
     let kept = order[..last - left_out].iter().chain(&order[last..]);
     let mut whole = Mat::zeros(parts.of_whole().stiffness.rows(), motions.ncols());
-    for (part, basis) in bases.iter().enumerate() {
+    for (part, (basis, retained)) in bases.iter().zip(&retained).enumerate() {
         let mut jump = Mat::zeros(basis.momentum.nrows(), motions.ncols());
         for i in 0..nd {
             if let Some((row, weight)) = parts.place(part, i) {
                 (0..motions.ncols()).for_each(|j| jump[(row, j)] += weight * motions[(i, j)]);
             }
         }
-        let mut modal = Mat::zeros(basis.interior.eigenvalues.len(), motions.ncols());
+        let mut modal = Mat::zeros(retained.eigenvalues.len(), motions.ncols());
         for (i, &(_, mode)) in kept.clone().enumerate().filter(|(_, (of, _))| *of == part) {
             (0..motions.ncols()).for_each(|j| modal[(mode, j)] = motions[(nd + i, j)]);
         }
+        let modal = product(retained.turn.as_ref(), modal.as_ref());
         whole += parts.displacements(part, basis.displacements(jump.as_ref(), modal.as_ref()));
     }
     // The sum over the parts is that but for round-off.
@@ -633,58 +702,48 @@ fn displacements_of_parts(
 /// The basis of a part, in the form in which it is applied: by solves.
 struct Basis<'a> {
     static_part: StaticPart<'a>,
-    /// Modes with a stuck interface, with the attachment modes last.
+    /// Modes with a stuck interface, and behind them static responses to loads.
+    shapes: Mat<f64>,
     interior: Interior,
-    n_attachment: usize,
     /// The held rest follows the jump with this momentum along the zero-energy modes, which is taken out.
     momentum: Mat<f64>,
 }
 
 impl<'a> Basis<'a> {
-    fn try_new(
-        system: &'a RelativeSystem,
-        supported: Supported,
-        stuck: &Modes,
-        n_modes: usize,
-        attached: &[usize],
-    ) -> Result<Self, Error> {
-        let nd = system.n_relative;
-        let n_rest = system.stiffness.rows() - nd;
-        let mut interior = Interior::modes(stuck, n_modes);
-        // Where no mode is left out, the flexibility at the loads is complete without them.
-        let complete = interior.eigenvalues.len() + stuck.n_zero == n_rest;
-        let n_attachment = match complete {
-            true => attached.len().min(interior.eigenvalues.len()),
-            false => attached.len(),
-        };
-        if n_attachment > 0 && !complete {
-            let loads: Vec<&Vec<f64>> = attached.iter().map(|&load| &system.loads[load]).collect();
-            let loads = Mat::from_fn(n_rest, loads.len(), |i, j| loads[j][nd + i]);
-            let (responses, momentum) = static_responses(&loads, system, &supported);
-            interior
-                .attach(responses.as_ref(), momentum.as_ref(), loads.as_ref())
-                .map_err(|error| match error {
-                    Error::DependentLoad { load } => Error::DependentLoad { load: attached[load] },
-                    other => other,
-                })?;
-        }
+    fn new(system: &'a RelativeSystem, supported: Supported, stuck: &Modes, attached: &[usize]) -> Self {
+        let (nd, n_rest) = (system.n_relative, system.n_rest());
+        let loads = Mat::from_fn(n_rest, attached.len(), |i, j| system.loads[attached[j]][nd + i]);
+        let (responses, momentum) = static_responses(&loads, system, &supported);
+        let modes = stuck.elastic();
+        let n_modes = modes.ncols();
+        let shapes = Mat::from_fn(n_rest, n_modes + attached.len(), |i, j| match j.checked_sub(n_modes) {
+            None => modes[(i, j)],
+            Some(load) => responses[(i, load)],
+        });
+        let interior = Interior::new(
+            (&stuck.eigenvalues[stuck.n_zero..], n_rest - stuck.n_zero),
+            shapes.as_ref(),
+            attached,
+            loads.as_ref(),
+            momentum.as_ref(),
+        );
         let static_part = StaticPart {
             system,
             jump_rest: system.jump_rest(&system.stiffness),
             supported,
         };
         let momentum = static_part.momentum(static_part.supported.modes.as_ref());
-        Ok(Self {
+        Self {
             static_part,
+            shapes,
             interior,
-            n_attachment,
             momentum,
-        })
+        }
     }
 
     /// Rows over `[jump; rest]` times the basis.
     fn onto(&self, rows: &[Vec<f64>]) -> Mat<f64> {
-        let (nd, phi) = (self.momentum.nrows(), &self.interior.shapes);
+        let (nd, phi) = (self.momentum.nrows(), &self.shapes);
         let rest = over_rest(nd, self.static_part.jump_rest.cols(), rows);
         let own = Mat::from_fn(nd, rows.len(), |i, j| rows[j][i]);
         let rigid = product(self.static_part.supported.modes.transpose(), rest.as_ref());
@@ -695,13 +754,13 @@ impl<'a> Basis<'a> {
         })
     }
 
-    /// The basis times columns over the jump and over the modes.
+    /// The basis times columns over the jump and over the interior.
     fn displacements(&self, jump: MatRef<'_, f64>, modal: MatRef<'_, f64>) -> Mat<f64> {
         let nd = jump.nrows();
         let mut rest = self.static_part.follow(jump);
         let rigid = product(self.momentum.transpose(), jump);
         rest -= product(self.static_part.supported.modes.as_ref(), rigid.as_ref());
-        rest += product(self.interior.shapes.as_ref(), modal);
+        rest += product(self.shapes.as_ref(), modal);
         let mut all = Mat::zeros(nd + rest.nrows(), jump.ncols());
         all.subrows_mut(0, nd).copy_from(jump);
         all.subrows_mut(nd, rest.nrows()).copy_from(&rest);
@@ -779,12 +838,6 @@ impl StaticPart<'_> {
         let stiffness = compare("stiffness", &condensed.stiffness, &stiffness)?;
         Ok(stiffness.max(compare("mass", &condensed.mass, &mass)?))
     }
-}
-
-fn multiply(a: &CsMat<f64>, x: MatRef<'_, f64>) -> Mat<f64> {
-    let mut y = Mat::zeros(a.rows(), x.ncols());
-    multiply_into(a, x, y.as_mut());
-    y
 }
 
 /// Static responses of the stuck structure to balanced loads, mass-orthogonal to its zero-energy modes, and the mass

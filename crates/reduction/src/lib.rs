@@ -8,6 +8,7 @@
 pub mod checks;
 pub mod craig_bampton;
 mod error;
+mod full_modes;
 mod held;
 mod interior;
 mod locked;
@@ -16,8 +17,9 @@ pub mod relative;
 mod symmetry;
 mod zem;
 
-pub use craig_bampton::{ReducedModel, Settings, Step, displacements, modes_of_basis, reduce, reduce_with_modes};
+pub use craig_bampton::{ReducedModel, Reduction, Settings, displacements, modes_of_basis, reduce, reduce_with_modes};
 pub use dense_algebra::Limits;
 pub use error::Error;
+pub use full_modes::LinearCheck;
 pub use held::{HeldSystem, Hold, LoadCompliance};
 pub use relative::{FacingNodes, InterfacePairs, RelativeSystem, SystemMatrices};

@@ -67,6 +67,7 @@ impl RelativeSystem {
             groups: self.groups.clone(),
             positions: kept.iter().map(|&i| self.positions[i]).collect(),
             reflections: Vec::new(),
+            rigid_motions: Mat::zeros(kept.len(), 0),
             transform: &self.transform * &transform,
         })
     }

@@ -5,7 +5,7 @@ use dense_algebra::{cholesky, product, solve_lower, solve_lower_transposed};
 use faer::{Mat, MatRef};
 use finite_elements::assemble::System;
 use finite_elements::reflection::Reflection;
-use finite_elements::sparse::{congruence, multiply_into, multiply_vector, numbering, submatrix, symmetric_part};
+use finite_elements::sparse::{congruence, multiply, multiply_vector, numbering, submatrix, symmetric_part};
 use sprs::{CsMat, TriMat};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -72,6 +72,8 @@ pub struct RelativeSystem {
     pub positions: Vec<[f64; 3]>,
     /// Reflections that take the mesh to itself, over `[jump; rest]`.
     pub(crate) reflections: Vec<Reflection>,
+    /// Rigid motions of the whole structure as columns over `[jump; rest]`; none where they are not known.
+    pub(crate) rigid_motions: Mat<f64>,
     /// `u = transform * [jump; rest]` over the coordinates before the change.
     pub(crate) transform: CsMat<f64>,
 }
@@ -136,6 +138,11 @@ fn sparse(matrix: MatRef<'_, f64>) -> CsMat<f64> {
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+}
+
+fn mean(points: &[[f64; 3]]) -> [f64; 3] {
+    let sum = points.iter().fold([0.0; 3], |sum, x| [0, 1, 2].map(|i| sum[i] + x[i]));
+    sum.map(|sum| sum / points.len().max(1) as f64)
 }
 
 fn check_jump(n_relative: usize, n: usize) -> Result<(), Error> {
@@ -235,7 +242,7 @@ impl RelativeSystem {
             loads: &system.loads,
             positions: &system.positions,
         };
-        Self::from_carried(both, &system.reflections, &rows, &vec![frame; top.len()])
+        Self::from_carried(both, Some(system), &rows, &vec![frame; top.len()])
     }
 
     /// Changes the coordinates of a system with any number of interfaces, whose sides need not have the same mesh. Jumps follow one
@@ -320,7 +327,7 @@ impl RelativeSystem {
             loads: &system.loads,
             positions: &system.positions,
         };
-        let mut found = Self::from_carried(matrices, &system.reflections, &rows, &frames)?;
+        let mut found = Self::from_carried(matrices, Some(system), &rows, &frames)?;
         found.groups = interfaces.iter().map(|side| 3 * side.own.len()).collect();
         Ok(found)
     }
@@ -353,13 +360,13 @@ impl RelativeSystem {
             .zip(bottom)
             .map(|(&t, &b)| Some(Carried::pair(t, b)))
             .collect();
-        Self::from_carried(system, &[], &rows, &vec![frame; n_relative / 3])
+        Self::from_carried(system, None, &rows, &vec![frame; n_relative / 3])
     }
 
-    /// `pairs` are the components that carry the jump, three for each frame; none where both sides are fixed.
+    /// The matrices may come from a mesh; `pairs` are the components that carry the jump, three for each frame; none where both sides are fixed.
     fn from_carried(
         system: SystemMatrices<'_>,
-        reflections: &[Reflection],
+        meshed: Option<&System>,
         pairs: &[Option<Carried>],
         frames: &[[[f64; 3]; 3]],
     ) -> Result<Self, Error> {
@@ -431,6 +438,13 @@ impl RelativeSystem {
         }
         let mut changed = Self::changed(system, transform.to_csr(), n_relative, positions);
         changed.leave_alone(&zero);
+        let Some(meshed) = meshed else { return Ok(changed) };
+        let rigid_motions = meshed.dofs.rigid_motions(mean(&meshed.positions));
+        changed.rigid_motions = Mat::from_fn(n_changed, rigid_motions.ncols(), |i, j| {
+            // None is a jump.
+            i.checked_sub(n_relative).map_or(0.0, |i| rigid_motions[(rest[i], j)])
+        });
+        let reflections = &meshed.reflections;
         if zero.is_empty() && !reflections.is_empty() {
             // `[jump; rest]` of displacements.
             let mut inverse = TriMat::with_capacity((n, n), n + 4 * n_relative);
@@ -586,6 +600,7 @@ impl RelativeSystem {
             // Combinations have no place.
             positions: vec![[0.0; 3]; n],
             reflections: Vec::new(),
+            rigid_motions: Mat::zeros(n, 0),
             transform,
         })
     }
@@ -598,6 +613,7 @@ impl RelativeSystem {
         positions: Vec<[f64; 3]>,
     ) -> Self {
         let transposed: CsMat<f64> = transform.transpose_view().to_csr();
+        let n = transform.cols();
         Self {
             stiffness: congruence(&transform, system.stiffness),
             mass: congruence(&transform, system.mass),
@@ -610,6 +626,7 @@ impl RelativeSystem {
             groups: vec![n_relative],
             positions,
             reflections: Vec::new(),
+            rigid_motions: Mat::zeros(n, 0),
             transform,
         }
     }
@@ -621,9 +638,12 @@ impl RelativeSystem {
 
     /// Columns over `[jump; rest]`, over the coordinates before the change instead.
     pub fn displacements(&self, columns: MatRef<'_, f64>) -> Mat<f64> {
-        let mut before = Mat::zeros(self.transform.rows(), columns.ncols());
-        multiply_into(&self.transform, columns, before.as_mut());
-        before
+        multiply(&self.transform, columns)
+    }
+
+    /// Coordinates beside the jump.
+    pub(crate) fn n_rest(&self) -> usize {
+        self.stiffness.rows() - self.n_relative
     }
 
     /// The rows of a matrix over `[jump; rest]` at the jump, and their columns at the rest.
@@ -650,8 +670,7 @@ impl RelativeSystem {
             motion.subrows_mut(0, nd).copy_from(jump);
         }
         motion.subrows_mut(nd, n - nd).copy_from(rest);
-        let mut momentum = Mat::zeros(n, rest.ncols());
-        multiply_into(&self.mass, motion.as_ref(), momentum.as_mut());
+        let momentum = multiply(&self.mass, motion.as_ref());
         [0..nd, nd..n].map(|rows| momentum.subrows(rows.start, rows.len()).to_owned())
     }
 }

@@ -9,7 +9,7 @@ use crate::relative::{RelativeSystem, SystemMatrices};
 use dense_algebra::{Limits, product};
 use faer::Mat;
 use finite_elements::reflection::Reflection;
-use finite_elements::sparse::{congruence, is_kept_by, multiply_into, multiply_vector, numbering, sum};
+use finite_elements::sparse::{congruence, is_kept_by, multiply, multiply_vector, numbering, sum};
 use rayon::prelude::*;
 use sprs::{CsMat, TriMat};
 use std::borrow::Cow;
@@ -38,9 +38,11 @@ const PLENTY: u64 = 4 << 30;
 
 /// The parts of a system, or the whole as the only one.
 pub(crate) struct Parts<'a> {
-    whole: &'a RelativeSystem,
+    whole: Cow<'a, RelativeSystem>,
     /// The symmetric and the antisymmetric one; none where the whole is the only part.
     over: Vec<Over>,
+    /// Their systems, where these are kept.
+    systems: Vec<RelativeSystem>,
 }
 
 /// Coordinates of a part.
@@ -50,20 +52,23 @@ struct Over {
     n_relative: usize,
     positions: Vec<[f64; 3]>,
     loads: Vec<Vec<f64>>,
+    rigid_motions: Mat<f64>,
 }
 
 impl<'a> Parts<'a> {
     /// The whole alone.
-    pub(crate) fn whole(whole: &'a RelativeSystem) -> Self {
+    pub(crate) fn whole(whole: Cow<'a, RelativeSystem>) -> Self {
         Self {
             whole,
             over: Vec::new(),
+            systems: Vec::new(),
         }
     }
 
     /// The parts of a system with springs across the interface.
-    pub(crate) fn of(whole: &'a RelativeSystem, springs: Option<&CsMat<f64>>) -> Self {
+    pub(crate) fn of(whole: Cow<'a, RelativeSystem>, springs: Option<&CsMat<f64>>) -> Self {
         let mut parts = Self::whole(whole);
+        let whole = &*parts.whole;
         if whole.stiffness.rows() - whole.n_relative < LEAST_REST {
             return parts;
         }
@@ -74,26 +79,38 @@ impl<'a> Parts<'a> {
         if let Some((reflection, images)) = found {
             let over = [1.0, -1.0].map(|sign| Over::try_new(whole, reflection, &images, sign));
             let size = |over: &Over| over.transform.cols();
-            parts.over = over.into_iter().flatten().collect();
-            if parts.over.iter().map(size).sum::<usize>() != whole.stiffness.rows() {
-                parts.over.clear();
+            let over: Vec<Over> = over.into_iter().flatten().collect();
+            if over.iter().map(size).sum::<usize>() == whole.stiffness.rows() {
+                parts.over = over;
             }
         }
         parts
     }
 
     /// The parts of a system each load of which acts on one of them alone; the whole where one acts on both.
-    pub(crate) fn with_loads_in_one(whole: &'a RelativeSystem) -> Self {
-        let parts = Self::of(whole, None);
+    pub(crate) fn with_loads_in_one(whole: Cow<'a, RelativeSystem>, springs: Option<&CsMat<f64>>) -> Self {
+        let parts = Self::of(whole, springs);
         let acts_on = |load: usize| (0..parts.len()).filter(|&part| parts.acts(load, part)).count();
-        match (0..whole.loads.len()).all(|load| acts_on(load) == 1) {
+        match (0..parts.whole.loads.len()).all(|load| acts_on(load) == 1) {
             true => parts,
-            false => Self::whole(whole),
+            false => Self::whole(parts.whole),
         }
     }
 
-    pub(crate) fn of_whole(&self) -> &'a RelativeSystem {
-        self.whole
+    /// Makes the systems of the parts in the place of the matrices of the whole, if that is no one else's: both would be in the way of the factors.
+    pub(crate) fn separated(mut self) -> Self {
+        if self.len() > 1 && matches!(self.whole, Cow::Owned(_)) {
+            self.systems = (0..self.len()).map(|part| self.system(part).into_owned()).collect();
+            let whole = self.whole.to_mut();
+            let shape = whole.stiffness.shape();
+            (whole.stiffness, whole.mass) = (CsMat::zero(shape), CsMat::zero(shape));
+        }
+        self
+    }
+
+    /// The whole; without its matrices once it is separated.
+    pub(crate) fn of_whole(&self) -> &RelativeSystem {
+        &self.whole
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -129,9 +146,12 @@ impl<'a> Parts<'a> {
     }
 
     /// The system of a part.
-    pub(crate) fn system(&self, part: usize) -> Cow<'a, RelativeSystem> {
+    pub(crate) fn system(&self, part: usize) -> Cow<'_, RelativeSystem> {
+        if let Some(system) = self.systems.get(part) {
+            return Cow::Borrowed(system);
+        }
         let Some(over) = self.over.get(part) else {
-            return Cow::Borrowed(self.whole);
+            return Cow::Borrowed(&self.whole);
         };
         let whole = SystemMatrices {
             stiffness: &self.whole.stiffness,
@@ -142,6 +162,7 @@ impl<'a> Parts<'a> {
         let (transform, positions) = (over.transform.clone(), over.positions.clone());
         let mut system = RelativeSystem::changed(whole, transform, over.n_relative, positions);
         system.loads.clone_from(&over.loads);
+        system.rigid_motions.clone_from(&over.rigid_motions);
         Cow::Owned(system)
     }
 
@@ -173,9 +194,7 @@ impl<'a> Parts<'a> {
         let Some(over) = self.over.get(part) else {
             return motions;
         };
-        let mut whole = Mat::zeros(over.transform.rows(), motions.ncols());
-        multiply_into(&over.transform, motions.as_ref(), whole.as_mut());
-        whole
+        multiply(&over.transform, motions.as_ref())
     }
 
     /// The jump coordinate of a part that moves one of the whole, and by how much.
@@ -297,6 +316,7 @@ impl Over {
                 }
             }
         }
+        let n_with_images = positions.len();
         for (member, motion) in basis(projector * faer::Scale(0.5))? {
             let column = positions.len();
             entries.extend(images.without.iter().zip(motion).map(|(&i, value)| (i, column, value)));
@@ -320,8 +340,24 @@ impl Over {
                 false => own,
             }
         };
+        // What is left of rigid motions in this part: first at coordinates with images, then what that leaves at those without.
+        let mut own = multiply(&reflection.matrix, whole.rigid_motions.as_ref()) * faer::Scale(sign);
+        own += &whole.rigid_motions;
+        own *= faer::Scale(0.5);
+        let at_images = Mat::from_fn(
+            n,
+            own.ncols(),
+            |i, j| if without[i].is_none() { own[(i, j)] } else { 0.0 },
+        );
+        let mut rigid_motions = multiply(&transposed, at_images.as_ref());
+        own -= multiply(&transform, rigid_motions.as_ref());
+        let left = multiply(&transposed, own.as_ref());
+        for i in n_with_images..positions.len() {
+            rigid_motions.row_mut(i).copy_from(left.row(i));
+        }
         Some(Self {
             loads: whole.loads.iter().map(load).collect(),
+            rigid_motions,
             transform,
             n_relative,
             positions,

@@ -75,6 +75,12 @@ impl Supported {
         self.factor.solve_in_place(rhs);
     }
 
+    /// As [`Self::solve_in_place`], of any columns: what of them is not in equilibrium is taken out first, as inertia forces of zero-energy motions.
+    pub(crate) fn respond(&self, mut rhs: MatMut<'_, f64>) {
+        self.remove_zero_energy(rhs.rb_mut());
+        self.solve_in_place(rhs);
+    }
+
     /// Coefficients `a = -Z^T m` that make `m + M Z a` orthogonal to the zero-energy modes, and that correction of `m`.
     pub(crate) fn remove_zero_energy(&self, mut momentum: MatMut<'_, f64>) -> Mat<f64> {
         let mut a = Mat::zeros(self.modes.ncols(), momentum.ncols());

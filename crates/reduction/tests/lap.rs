@@ -10,9 +10,10 @@ use finite_elements::mesh::{
 };
 use finite_elements::sparse::{multiply_vector, numbering, submatrix};
 use reduction::{
-    Error, Hold, InterfacePairs, Limits, ReducedModel, RelativeSystem, Settings, Step, SystemMatrices, checks, reduce,
+    Error, Hold, InterfacePairs, Limits, LinearCheck, ReducedModel, RelativeSystem, Settings, SystemMatrices, checks,
+    reduce,
 };
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::borrow::Cow;
 
 struct Lap {
     assembly: Assembly,
@@ -154,7 +155,7 @@ fn reduced_spectra_converge_to_the_full_ones_with_the_modes_retained() {
                 n_reported: 10,
                 ..Settings::default()
             };
-            let reduced = reduce(&relative, &[], settings, &|_| {}, Limits::default()).unwrap();
+            let reduced = reduce(&relative, &[], settings, Limits::default()).unwrap();
             assert_eq!(reduced.zem_stuck, 6);
             assert!(reduced.asymmetry < 1e-8, "{}", reduced.asymmetry);
             let mut worst = 0.0_f64;
@@ -198,7 +199,7 @@ fn reduced_spectra_converge_to_the_full_ones_with_the_modes_retained() {
 fn matrices_over_the_jump_are_those_of_the_static_responses() {
     use dense_algebra::{cholesky, product, solve_lower, solve_lower_transposed};
     let (_, relative) = relative(&lap());
-    let reduced = reduce(&relative, &[], Settings::default(), &|_| {}, Limits::default()).unwrap();
+    let reduced = reduce(&relative, &[], Settings::default(), Limits::default()).unwrap();
     let (n, nd) = (relative.stiffness.rows(), relative.n_relative);
     let dense = |a: &sprs::CsMat<f64>| faer::Mat::from_fn(n, n, |i, j| a.get(i, j).copied().unwrap_or(0.0));
     let (k, m) = (dense(&relative.stiffness), dense(&relative.mass));
@@ -255,14 +256,7 @@ fn static_response_of_the_jump_is_exact() {
     let n = relative.stiffness.rows();
     let mut row = vec![0.0; n];
     row[n - 7] = 1.0;
-    let reduced = reduce(
-        &relative,
-        &[row.clone()],
-        Settings::default(),
-        &|_| {},
-        Limits::default(),
-    )
-    .unwrap();
+    let reduced = reduce(&relative, &[row.clone()], Settings::default(), Limits::default()).unwrap();
     let nd = relative.n_relative;
     let springs = 1e7;
     let mut small = entries(&reduced.stiffness);
@@ -338,7 +332,7 @@ fn wrong_number_of_zero_energy_modes_and_unbalanced_loads_are_refused() {
         expected_zem: 5,
         ..Settings::default()
     };
-    let error = reduce(&relative_system, &[], settings, &|_| {}, Limits::default()).unwrap_err();
+    let error = reduce(&relative_system, &[], settings, Limits::default()).unwrap_err();
     assert!(
         matches!(error, Error::ZeroEnergyModes { found: 6, expected: 5 }),
         "{error}"
@@ -346,7 +340,7 @@ fn wrong_number_of_zero_energy_modes_and_unbalanced_loads_are_refused() {
     let mut pushed = lap();
     pushed.assembly.loads[0].terms.truncate(1);
     let (_, relative_system) = relative(&pushed);
-    let error = reduce(&relative_system, &[], Settings::default(), &|_| {}, Limits::default()).unwrap_err();
+    let error = reduce(&relative_system, &[], Settings::default(), Limits::default()).unwrap_err();
     assert!(matches!(error, Error::UnbalancedLoad { .. }), "{error}");
 }
 
@@ -380,7 +374,7 @@ fn a_jump_that_is_fixed_stays_as_a_coordinate_that_nothing_moves() {
         n_modes: 80,
         ..Settings::default()
     };
-    let reduced = reduce(&relative_system, &[], settings, &|_| {}, Limits::default()).unwrap();
+    let reduced = reduce(&relative_system, &[], settings, Limits::default()).unwrap();
     let springs = |i: usize| if held.contains(&i) { 0.0 } else { 1e8 };
     let springs = diagonal(&(0..relative_system.n_relative).map(springs).collect::<Vec<_>>());
     let small = checks::reduced_spectrum(&reduced, &springs, 12).unwrap().frequencies;
@@ -523,7 +517,7 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
         worst
     };
     let errors = [5, 20, 80].map(|n_modes| {
-        let reduced = reduce(&relative, &[], attached(n_modes), &|_| {}, Limits::default()).unwrap();
+        let reduced = reduce(&relative, &[], attached(n_modes), Limits::default()).unwrap();
         assert_eq!(reduced.size(), relative.n_relative + n_modes + 2);
         let locked = reduced.locked().unwrap();
         assert_eq!(locked.size(), relative.n_relative + n_modes);
@@ -532,7 +526,7 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
             attachment_modes: false,
             ..attached(n_modes)
         };
-        let direct = reduce(&held, &[], direct, &|_| {}, Limits::default()).unwrap();
+        let direct = reduce(&held, &[], direct, Limits::default()).unwrap();
         (worst(&locked), worst(&direct))
     });
     // The last of 22 modes taken for attachment modes: the flexibility at the loads is missing.
@@ -543,7 +537,6 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
             attachment_modes: false,
             ..attached(22)
         },
-        &|_| {},
         Limits::default(),
     )
     .unwrap();
@@ -565,7 +558,7 @@ fn locked_reduced_spectra_converge_to_the_full_locked_ones() {
 fn one_load_held_and_one_given_is_the_system_with_the_first_eliminated() {
     let (_, relative) = relative(&bolted());
     let nd = relative.n_relative;
-    let reduced = reduce(&relative, &[], attached(8), &|_| {}, Limits::default()).unwrap();
+    let reduced = reduce(&relative, &[], attached(8), Limits::default()).unwrap();
     let compliance = reduced.load_compliance().unwrap();
     let (held, tension) = (3e-6, 2e3);
     let system = compliance
@@ -575,7 +568,7 @@ fn one_load_held_and_one_given_is_the_system_with_the_first_eliminated() {
     let mut first = relative.clone();
     first.loads.truncate(1);
     let eliminated = first.locked().unwrap();
-    let direct = reduce(&eliminated, &[], Settings::default(), &|_| {}, Limits::default()).unwrap();
+    let direct = reduce(&eliminated, &[], Settings::default(), Limits::default()).unwrap();
     let (of_direct, of_system) = (entries(&direct.stiffness), entries(&system.stiffness));
     let size = (0..nd).map(|i| of_direct[(i, i)]).fold(0.0, f64::max);
     for j in 0..nd {
@@ -617,7 +610,7 @@ fn one_load_held_and_one_given_is_the_system_with_the_first_eliminated() {
         let own = (0..nd).map(|j| of_system[(i, j)] * jump[j]).sum::<f64>() - system.load[i];
         assert!((elastic - load - own).abs() < 1e-9 * size * 1e-6, "{i}");
     }
-    let without = reduce(&relative, &[], Settings::default(), &|_| {}, Limits::default()).unwrap();
+    let without = reduce(&relative, &[], Settings::default(), Limits::default()).unwrap();
     assert!(matches!(
         without.load_compliance(),
         Err(Error::NoAttachmentModes { .. })
@@ -632,11 +625,11 @@ fn statics_of_the_locked_model_are_those_of_the_locked_system() {
     let mut over_independent = vec![0.0; system.n_dofs()];
     over_independent[7] = 1.0;
     let rows = |of: &RelativeSystem| [of.row(&over_independent)];
-    let locked = reduce(&relative, &rows(&relative), attached(8), &|_| {}, Limits::default())
+    let locked = reduce(&relative, &rows(&relative), attached(8), Limits::default())
         .unwrap()
         .locked()
         .unwrap();
-    let direct = reduce(&held, &rows(&held), Settings::default(), &|_| {}, Limits::default()).unwrap();
+    let direct = reduce(&held, &rows(&held), Settings::default(), Limits::default()).unwrap();
     let nd = relative.n_relative;
     let jump = |m: &faer::Mat<f64>| m.submatrix(0, 0, nd, nd).to_owned();
     for (name, a, b) in [
@@ -725,7 +718,13 @@ fn a_locked_shank_is_one_whose_overlap_is_held() {
         expected.iter().zip(&free).any(|(a, b)| a / b > 1.001),
         "{expected:?} {free:?}"
     );
-    let reduced = reduce(&loaded, &[], attached(60), &|_| {}, Limits::default()).unwrap();
+    for (is_locked, expected) in [(false, &free), (true, &expected)] {
+        let found = checked_frequencies(&loaded, attached(60), &penalty, is_locked);
+        for (a, b) in expected.iter().zip(found) {
+            assert!((b / a - 1.0).abs() < 1e-9, "{a} {b}");
+        }
+    }
+    let reduced = reduce(&loaded, &[], attached(60), Limits::default()).unwrap();
     let of = |model: &ReducedModel| checks::reduced_spectrum(model, &penalty, 4).unwrap().frequencies;
     for (found, full) in [(of(&reduced), &free), (of(&reduced.locked().unwrap()), &expected)] {
         for (a, b) in full.iter().zip(found) {
@@ -733,6 +732,25 @@ fn a_locked_shank_is_one_whose_overlap_is_held() {
             assert!(b / a > 1.0 - 1e-8 && b / a < 1.0 + 5e-3, "{a} {b}");
         }
     }
+}
+
+/// The ten lowest frequencies of the full system that the factors of its reduction find.
+fn checked_frequencies(
+    relative: &RelativeSystem,
+    settings: Settings,
+    springs: &sprs::CsMat<f64>,
+    is_locked: bool,
+) -> Vec<f64> {
+    let check = LinearCheck {
+        springs,
+        count: 10,
+        tolerance: 1e-6,
+        is_locked,
+    };
+    let found =
+        reduction::reduce_with_modes(Cow::Borrowed(relative), &[], settings, Some(check), Limits::default()).unwrap();
+    assert_eq!(found.frequencies.len(), 10);
+    found.frequencies
 }
 
 #[test]
@@ -749,8 +767,8 @@ fn attachment_modes_complete_the_compliance_at_the_loads() {
     let held = [a[0], a[1], a[2], b[0], b[2], c[0]];
     let kept: Vec<usize> = (0..n).filter(|i| !held.contains(i)).collect();
     let positions: Vec<[f64; 3]> = kept.iter().map(|&i| relative.positions[i]).collect();
-    let with = reduce(&relative, &[], attached(20), &|_| {}, Limits::default()).unwrap();
-    let without = reduce(&relative, &[], Settings::default(), &|_| {}, Limits::default()).unwrap();
+    let with = reduce(&relative, &[], attached(20), Limits::default()).unwrap();
+    let without = reduce(&relative, &[], Settings::default(), Limits::default()).unwrap();
     for springs in [1e6, 1e8] {
         let mut triplets = sprs::TriMat::new((n, n));
         (0..nd).for_each(|i| triplets.add_triplet(i, i, springs));
@@ -779,7 +797,7 @@ fn attachment_modes_complete_the_compliance_at_the_loads() {
 #[test]
 fn locking_is_refused_without_attachment_modes_and_for_dependent_loads() {
     let (_, bolts) = relative(&bolted());
-    let plain = reduce(&bolts, &[], Settings::default(), &|_| {}, Limits::default()).unwrap();
+    let plain = reduce(&bolts, &[], Settings::default(), Limits::default()).unwrap();
     assert!(matches!(
         plain.locked(),
         Err(Error::NoAttachmentModes {
@@ -798,7 +816,7 @@ fn locking_is_refused_without_attachment_modes_and_for_dependent_loads() {
             matches!(error, Error::DependentLoad { load: l } if l == load),
             "{error}"
         );
-        let error = reduce(system, &[], attached(20), &|_| {}, Limits::default()).unwrap_err();
+        let error = reduce(system, &[], attached(20), Limits::default()).unwrap_err();
         assert!(
             matches!(error, Error::DependentLoad { load: l } if l == load),
             "{error}"
@@ -818,12 +836,11 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
         y
     };
     for (settings, kept) in [(Settings::default(), 20), (attached(12), 12), (attached(12), 7)] {
-        let (mut model, modes) =
-            reduction::reduce_with_modes(&relative, &rows, settings, &|_| {}, Limits::default()).unwrap();
-        assert_eq!(
-            reduction::modes_of_basis(&relative, settings, Limits::default()).unwrap(),
-            modes
-        );
+        let found =
+            reduction::reduce_with_modes(Cow::Borrowed(&relative), &rows, settings, None, Limits::default()).unwrap();
+        let (mut model, modes) = (found.model, found.modes);
+        let again = reduction::modes_of_basis(&relative, settings, None, Limits::default()).unwrap();
+        assert_eq!(again, modes);
         model.truncate(kept);
         // No entry is like another.
         let coordinates =
@@ -831,7 +848,7 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
         let motions = coordinates(&model);
         let displacements = |motions: &faer::Mat<f64>| {
             let (motions, limits) = (motions.as_ref(), Limits::default());
-            reduction::displacements(&relative, &rows, settings, &model, &modes, motions, limits).unwrap()
+            reduction::displacements(&relative, &rows, (settings, None), &model, &modes, motions, limits).unwrap()
         };
         let found = displacements(&motions);
         assert_eq!(found.subrows(0, nd), motions.subrows(0, nd));
@@ -876,10 +893,10 @@ fn displacements_have_the_energies_of_the_reduced_motions() {
             assert!(error < 1e-9, "{error:.1e}");
         }
         // Another system, and another number of modes.
-        let other = reduce(&relative, &rows, attached(9), &|_| {}, Limits::default()).unwrap();
+        let other = reduce(&relative, &rows, attached(9), Limits::default()).unwrap();
         let motions = coordinates(&other);
         let of = |modes: &[_]| {
-            let (settings, limits) = (Settings::default(), Limits::default());
+            let (settings, limits) = ((Settings::default(), None), Limits::default());
             reduction::displacements(&relative, &rows, settings, &other, modes, motions.as_ref(), limits)
         };
         for modes in [modes.as_slice(), &[]] {
@@ -1003,13 +1020,8 @@ fn without_symmetry(lap: &Lap, system: &System) -> RelativeSystem {
 
 /// The reduced model, and in how many parts it was found.
 fn reduced_in_parts(relative: &RelativeSystem, rows: &[Vec<f64>], settings: Settings) -> (ReducedModel, usize) {
-    // Small parts are worked on side by side, and each tells when its modes are found.
-    let ends = AtomicUsize::new(0);
-    let hear = |step| {
-        ends.fetch_add(usize::from(step == Step::Modes(1.0)), Ordering::Relaxed);
-    };
-    let model = reduce(relative, rows, settings, &hear, Limits::default());
-    (model.unwrap(), ends.into_inner())
+    let found = reduction::reduce_with_modes(Cow::Borrowed(relative), rows, settings, None, Limits::default()).unwrap();
+    (found.model, found.modes.len())
 }
 
 #[test]
@@ -1028,13 +1040,30 @@ fn symmetric_and_antisymmetric_parts_make_the_whole() {
     let (mut expected, one) = reduced_in_parts(&whole, &rows, settings);
     assert_eq!((parts, one), (2, 1));
     assert_eq!((found.zem_stuck, found.n_modes()), (LEFT_FREE, 20));
+    // Springs that are their own image, and such as are not.
+    let nd = relative.n_relative;
+    let even = vec![1e7; nd];
+    let uneven: Vec<f64> = (0..nd).map(|i| 1e7 * (1.0 + (i as f64).sin().powi(2))).collect();
+    for springs in [even, uneven].map(|values| diagonal(&values)) {
+        let (zero, full) = checks::full_frequencies(&whole, Some(&springs), 10, 1e-8, Limits::default()).unwrap();
+        assert_eq!(zero, LEFT_FREE);
+        for (a, b) in full
+            .iter()
+            .zip(checked_frequencies(&relative, settings, &springs, false))
+        {
+            assert!((b / a - 1.0).abs() < 1e-9, "{a} {b}");
+        }
+    }
     // With less memory they follow one another.
     let short = Limits::default().within(Some(1 << 30));
-    let again = reduce(&relative, &rows, settings, &|_| (), short).unwrap();
-    assert_eq!(
-        (again.stiffness, again.mass),
-        (found.stiffness.clone(), found.mass.clone())
-    );
+    for given in [Cow::Borrowed(&relative), Cow::Owned(relative.clone())] {
+        let again = reduction::reduce_with_modes(given, &rows, settings, None, short).unwrap();
+        let again = again.model;
+        assert_eq!(
+            (again.stiffness, again.mass),
+            (found.stiffness.clone(), found.mass.clone())
+        );
+    }
     expected.align_with(&found).unwrap();
     let row = |load: &Vec<f64>| faer::Mat::from_fn(1, load.len(), |_, j| load[j]);
     let mut compared = vec![
@@ -1059,12 +1088,12 @@ fn symmetric_and_antisymmetric_parts_make_the_whole() {
         assert!((a / b - 1.0).abs() < 1e-11, "{a} {b}");
     }
     // Motions of both parts together.
-    let modes = reduction::modes_of_basis(&relative, settings, Limits::default()).unwrap();
+    let modes = reduction::modes_of_basis(&relative, settings, None, Limits::default()).unwrap();
     let motions = faer::Mat::from_fn(found.size(), 2, |i, j| 1e-6 * ((1 + i * (3 + j)) as f64).sin());
     let moved = reduction::displacements(
         &relative,
         &rows,
-        settings,
+        (settings, None),
         &found,
         &modes,
         motions.as_ref(),

@@ -5,8 +5,8 @@ use super::{StructuralModel, Structure};
 use crate::Error;
 use crate::store::{Options, cache};
 use dense_algebra::Limits;
-use faer::{Mat, MatRef};
-use finite_elements::sparse::multiply_into;
+use faer::MatRef;
+use finite_elements::sparse::multiply;
 use joint_model::Bodies;
 
 /// Share of the time of finding displacements that the modes of the stuck structure take where they are not known.
@@ -33,19 +33,19 @@ impl Structure {
         let meshed = Meshed::try_new(&self.joint, bodies)?;
         let rows = meshed.rows(bodies)?;
         let (relative, settings) = (&meshed.relative, self.settings);
+        let springs = self.springs(self.check_interface(), |_| true)?;
         let (cache, key) = (options.cache.as_deref(), self.key(options.build.as_deref()));
         let (modes, limits) = match cache.and_then(|directory| cache::load_modes(directory, &key)) {
             Some(modes) => (modes, limits),
             None => {
-                let modes = reduction::modes_of_basis(relative, settings, limits.part(0.0, MODES))?;
+                let modes = reduction::modes_of_basis(relative, settings, Some(&springs), limits.part(0.0, MODES))?;
                 (modes, limits.part(MODES, 1.0))
             }
         };
+        let settings = (settings, Some(&springs));
         let over = reduction::displacements(relative, &rows, settings, &model.reduced, &modes, motions, limits)?;
         let independent = meshed.relative.displacements(over.as_ref());
-        let transform = &meshed.system.dofs.transform;
-        let mut all = Mat::zeros(transform.rows(), motions.ncols());
-        multiply_into(transform, independent.as_ref(), all.as_mut());
+        let all = multiply(&meshed.system.dofs.transform, independent.as_ref());
         let n_nodes = bodies.assembly.mesh.nodes.len();
         let of_motion = |column: usize| {
             let values: Vec<f64> = all.col(column).iter().copied().collect();

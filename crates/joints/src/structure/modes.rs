@@ -9,8 +9,8 @@ use dense_algebra::product;
 use faer::Mat;
 use finite_elements::assemble::System;
 use finite_elements::eigen;
-use finite_elements::sparse::multiply_into;
-use joint_model::{Bodies, MeshedBodies};
+use finite_elements::sparse::multiply;
+use joint_model::Bodies;
 use reduction::{Limits, checks};
 use serde::{Deserialize, Serialize};
 use sprs::CsMat;
@@ -161,7 +161,7 @@ impl Structure {
         )?;
         let area = self.symmetry.operators(&self.joint.interface, 2)?.area();
         let slices = SliceMotions::new(&system.dofs.coordinates, &system.nodal_mass);
-        let rigid = rigid_motions(&system, bodies, slices.centre);
+        let rigid = system.dofs.rigid_motions(slices.centre);
         let tolerance = self.settings.mode_tolerance;
         let stop = || progress.interrupted();
         let limits = Limits::default().until(&stop);
@@ -186,8 +186,7 @@ impl Structure {
                 _ => checks::full_modes(relative, interface, count, tolerance, limits)?,
             };
             let over = relative.displacements(found.elastic());
-            let mut momentum = Mat::zeros(over.nrows(), over.ncols());
-            multiply_into(&system.mass, over.as_ref(), momentum.as_mut());
+            let momentum = multiply(&system.mass, over.as_ref());
             let of = Shapes { shapes: over, momentum };
             let jumps = found.elastic().subrows(0, relative.n_relative).to_owned();
             let energy = |stiffness: &CsMat<f64>, mode: usize| energy(stiffness, &jumps, mode);
@@ -237,11 +236,7 @@ impl Structure {
         rigid: &Mat<f64>,
         of_interface: &dyn Fn(usize, f64) -> (Option<f64>, f64),
     ) -> Vec<ModeShape> {
-        let nodal = {
-            let mut nodal = Mat::zeros(system.dofs.transform.rows(), shapes.shapes.ncols());
-            multiply_into(&system.dofs.transform, shapes.shapes.as_ref(), nodal.as_mut());
-            nodal
-        };
+        let nodal = multiply(&system.dofs.transform, shapes.shapes.as_ref());
         let participation = product(rigid.transpose(), shapes.momentum.as_ref());
         let frequencies = found.frequencies();
         let mut modes: Vec<ModeShape> = (0..frequencies.len())
@@ -282,32 +277,6 @@ fn energy(stiffness: &CsMat<f64>, jumps: &Mat<f64>, column: usize) -> f64 {
         .iter()
         .map(|(value, (i, j))| value * jumps[(i, column)] * jumps[(j, column)])
         .sum()
-}
-
-/// Unit translations along the axes of the model, and unit rotations about them through a centre, over the independent components.
-fn rigid_motions(system: &System, bodies: &MeshedBodies, centre: [f64; 3]) -> Mat<f64> {
-    let n_nodal = 3 * system.dofs.coordinates.len();
-    let mut motions = Mat::zeros(system.n_dofs(), 6);
-    for (row, &full) in system.dofs.independent.iter().enumerate() {
-        let (at, component) = match full.checked_sub(n_nodal) {
-            None => (system.dofs.coordinates[full / 3], full % 3),
-            Some(beyond) => match bodies.assembly.couplings.get(beyond / 6) {
-                Some(coupling) => (coupling.reference, beyond % 6),
-                // Overlaps of bolts are zero in rigid motions.
-                None => continue,
-            },
-        };
-        if component >= 3 {
-            motions[(row, component)] = 1.0;
-            continue;
-        }
-        motions[(row, component)] = 1.0;
-        // A rotation about axis k moves the components next to it by its arms.
-        let [next, last] = [(component + 1) % 3, (component + 2) % 3];
-        motions[(row, 3 + next)] = at[last] - centre[last];
-        motions[(row, 3 + last)] = -(at[next] - centre[next]);
-    }
-    motions
 }
 
 impl Shapes {

@@ -12,7 +12,7 @@ use finite_elements::assemble::System;
 use finite_elements::mesh::{Assembly, Cell};
 use joint_model::{Bodies, Excited, ImportedBodies, MeshedBodies, Sides};
 use reduction::checks::{self, ReducedSpectrum};
-use reduction::{Limits, ReducedModel, RelativeSystem, Settings, Step, reduce, reduce_with_modes};
+use reduction::{Limits, LinearCheck, ReducedModel, Reduction, RelativeSystem, Settings, reduce, reduce_with_modes};
 use sprs::CsMat;
 use std::borrow::Cow;
 
@@ -29,12 +29,6 @@ const MATRICES: usize = 10;
 
 /// Columns of the basis of a joint, if its coupling to others is of low rank: 40 to 220 were measured.
 const EXPECTED_RANK: usize = 128;
-
-/// Share of the frequencies of the full model in the time of all modes.
-const CHECKING: f64 = 0.4;
-
-/// Share of the reduction in the time of it and of its check.
-const REDUCING: f64 = 0.9;
 
 /// Residual of the modes of structures whose differences are wanted.
 const NEIGHBOUR_TOLERANCE: f64 = 1e-9;
@@ -63,27 +57,45 @@ impl Structure {
             .map(|memory| memory.saturating_sub(COPIES * assembled.memory()));
         let limits = Limits::default().until(&stop).within(left);
         progress.begin(Stage::Factor);
-        // Before there is a reduced model, which would be in the way of its factors.
         let springs = self.springs(self.check_interface(), |_| true)?;
-        let hear = |done| progress.fraction(Stage::Factor, CHECKING * done);
-        let full = self.frequencies_to_check(&assembled.relative, &springs, limits.heard_by(&hear))?;
-        let (mut reduced, modes) = reduce_with_modes(
-            &assembled.relative,
-            &assembled.rows,
-            self.settings,
-            &|step| match step {
-                Step::Modes(done) => progress.fraction(Stage::Factor, CHECKING + (1.0 - CHECKING) * done),
-                Step::Condensing => {
-                    progress.end(Stage::Factor);
-                    progress.begin(Stage::Reduce);
-                }
-                Step::Condensed(done) => progress.fraction(Stage::Reduce, REDUCING * done),
-            },
-            limits,
-        )?;
-        go_on(progress)?;
+        let check = LinearCheck {
+            springs: &springs,
+            count: N_CHECKED,
+            tolerance: FREQUENCY_TOLERANCE,
+            is_locked: self.locks,
+        };
+        let hear = |done| progress.fraction(Stage::Factor, done);
+        let Assembled {
+            relative,
+            rows,
+            carried,
+            n_nodes,
+            n_elements,
+            mass,
+            ..
+        } = assembled;
+        let n_dofs = relative.stiffness.rows();
+        let Reduction {
+            model: mut reduced,
+            modes,
+            frequencies,
+        } = reduce_with_modes(relative, &rows, self.settings, Some(check), limits.heard_by(&hear))?;
+        end_stage(progress, Stage::Factor)?;
+        progress.begin(Stage::Reduce);
         check_closing(&reduced)?;
-        let facts = self.facts(assembled, &mut reduced, &springs, full)?;
+        let (zem_unstressed, unstressed) = checks::unstressed_spectrum(&reduced, N_CHECKED)?;
+        let facts = Facts {
+            n_nodes,
+            n_elements,
+            n_dofs,
+            mass,
+            zem_unstressed,
+            unstressed_frequencies_hz: unstressed,
+            penalty_error: self.compare(&mut reduced, &springs, &frequencies)?,
+            penalty_frequencies_hz: frequencies,
+            coupling_tolerance: self.settings.coupling_tolerance,
+            carried,
+        };
         let model = StructuralModel { reduced, facts };
         let stored = cache.map(|directory| {
             cache::store(directory, &key, &model.reduced, &model.facts)?;
@@ -175,7 +187,7 @@ impl Structure {
         };
         let stop = || progress.interrupted();
         let limits = Limits::default().until(&stop);
-        let mut reduced = reduce(&assembled.relative, &assembled.rows, settings, &|_| (), limits)?;
+        let mut reduced = reduce(&assembled.relative, &assembled.rows, settings, limits)?;
         reduced.align_with(model)?;
         Ok(reduced)
     }
@@ -220,36 +232,9 @@ impl Structure {
         })
     }
 
-    /// Frequencies of the full model that vibrates, with `springs` across its interface.
-    fn frequencies_to_check(
-        &self,
-        relative: &RelativeSystem,
-        springs: &CsMat<f64>,
-        limits: Limits<'_>,
-    ) -> Result<Vec<f64>, Error> {
-        let of = |system: &RelativeSystem| {
-            checks::full_frequencies(system, Some(springs), N_CHECKED, FREQUENCY_TOLERANCE, limits)
-        };
-        let (_, found) = match self.locks {
-            true => of(&relative.locked()?)?,
-            false => of(relative)?,
-        };
-        Ok(found)
-    }
-
-    /// Compares the reduced model with the frequencies of the full one, after leaving out the modes that the wanted accuracy does not need.
-    fn facts(
-        &self,
-        assembled: Assembled<'_>,
-        reduced: &mut ReducedModel,
-        springs: &CsMat<f64>,
-        full: Vec<f64>,
-    ) -> Result<Facts, Error> {
-        let n_dofs = assembled.relative.stiffness.rows();
-        // It would be in the way of the dense matrices of the reduced model.
-        drop(assembled.relative);
+    /// Largest error of the reduced model's frequencies, relative to those of the full one, after leaving out the modes that the wanted accuracy does not need.
+    fn compare(&self, reduced: &mut ReducedModel, springs: &CsMat<f64>, full: &[f64]) -> Result<f64, Error> {
         let is_locked = self.locks;
-        let (zem_unstressed, unstressed) = checks::unstressed_spectrum(reduced, N_CHECKED)?;
         let vibrating = |reduced: &ReducedModel| match is_locked {
             true => checks::reduced_spectrum(&reduced.locked()?, springs, N_CHECKED),
             false => checks::reduced_spectrum(reduced, springs, N_CHECKED),
@@ -285,18 +270,7 @@ impl Structure {
                 error = error_of(&vibrating(reduced)?);
             }
         }
-        Ok(Facts {
-            n_nodes: assembled.n_nodes,
-            n_elements: assembled.n_elements,
-            n_dofs,
-            mass: assembled.mass,
-            zem_unstressed,
-            unstressed_frequencies_hz: unstressed,
-            penalty_frequencies_hz: full,
-            penalty_error: error,
-            coupling_tolerance: self.settings.coupling_tolerance,
-            carried: assembled.carried,
-        })
+        Ok(error)
     }
 
     /// Hash of what the file of a reduced model depends on.

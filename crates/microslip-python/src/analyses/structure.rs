@@ -232,7 +232,7 @@ fn condense(relative: &RelativeSystem, recover: &[Vec<f64>], retained: Retained)
         attachment_modes: retained.attachment_modes,
         ..Settings::default()
     };
-    reduce(relative, recover, settings, &|_| {}, reduction::Limits::default()).map_err(|error| match error {
+    reduce(relative, recover, settings, reduction::Limits::default()).map_err(|error| match error {
         reduction::Error::ZeroEnergyModes { .. } => input(format!("zero_energy_modes: {error}")),
         reduction::Error::UnbalancedLoad { .. } | reduction::Error::DependentLoad { .. } => {
             input(format!("load: {error}"))
