@@ -118,13 +118,21 @@ fn iterate(lower: MatRef<'_, f64>, m: MatRef<'_, f64>, count: usize) -> Result<R
 /// Makes the columns orthonormal in the inner product of `m`, the first ones first: a far lower eigenvalue enlarges what
 /// round-off leaves of its shape in the others.
 fn normalise(shapes: &mut Mat<f64>, m: MatRef<'_, f64>) {
+    // One product for all shapes, which reads the matrix once; what is taken out of a shape is taken out of its momentum too.
+    let mut momenta = product(m, shapes.as_ref());
     for j in 0..shapes.ncols() {
-        let before = shapes.subcols(0, j);
-        let shape = shapes.subcols(j, 1);
-        let common = product(before.transpose(), product(m, shape).as_ref());
-        let own = shape - product(before, common.as_ref());
-        let length = (own.col(0).transpose() * product(m, own.as_ref()).col(0)).sqrt();
-        shapes.col_mut(j).copy_from(own.col(0) / faer::Scale(length));
+        let common = product(shapes.subcols(0, j).transpose(), momenta.subcols(j, 1));
+        let own = |columns: &Mat<f64>| columns.subcols(j, 1) - product(columns.subcols(0, j), common.as_ref());
+        let (shape, momentum) = (own(shapes), own(&momenta));
+        let length = (shape.col(0).transpose() * momentum.col(0)).sqrt();
+        shapes.col_mut(j).copy_from(shape.col(0) / faer::Scale(length));
+        momenta.col_mut(j).copy_from(momentum.col(0) / faer::Scale(length));
+    }
+    // Without the round-off of what was taken out.
+    let momenta = product(m, shapes.as_ref());
+    for (j, momentum) in momenta.col_iter().enumerate() {
+        let length = (shapes.col(j).transpose() * momentum).sqrt();
+        shapes.col_mut(j).iter_mut().for_each(|value| *value /= length);
     }
 }
 

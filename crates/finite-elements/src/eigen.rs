@@ -25,7 +25,8 @@ const BLOCK: usize = Krylov::WIDTH;
 /// must be told from them.
 const ENERGY: f64 = 1e-6;
 
-/// Modes found beside those that are wanted: room for the usual six rigid motions and a few mechanisms; more, if more turn up.
+/// Modes found beside those that are wanted where those without energy are not known: room for the usual six rigid motions and a few mechanisms; more, if
+/// more turn up.
 const ROOM: usize = 8;
 
 /// Square of a length, of motions of unit length, below which one depends on the others.
@@ -237,6 +238,14 @@ impl Pair<'_> {
         self.zero_energy.nrows()
     }
 
+    /// Modes found beside those that are wanted.
+    fn room(&self) -> usize {
+        match self.sigma > 0.0 {
+            true => ROOM,
+            false => 0,
+        }
+    }
+
     /// As [`Self::lowest_modes`], from a subspace of `least` vectors at least, whatever their residuals.
     fn subspace(
         &self,
@@ -246,7 +255,7 @@ impl Pair<'_> {
         limits: Limits<'_>,
     ) -> Result<SubspaceModes, Error> {
         let n = self.size();
-        let mut wanted = (n_elastic + ROOM).min(n);
+        let mut wanted = (n_elastic + self.room()).min(n);
         let (eigenvalues, shapes, n_zero, vectors) = loop {
             let (vectors, basis) = self.krylov_basis((wanted, n_elastic), least, tolerance, limits)?;
             let (eigenvalues, shapes) = rayleigh_ritz(self.stiffness, self.mass, basis.as_ref())?;
@@ -342,9 +351,9 @@ impl Pair<'_> {
             krylov.follow(block.ncols());
             limits.done(size as f64 / solves(wanted).max(size + wanted) as f64);
         }
-        // The zero-energy modes dominate the projected operator, and its round-off mixes the higher modes with their
-        // neighbours: keep those too, and let the Rayleigh-Ritz step with the true stiffness part them.
-        let (_, shapes) = krylov.ritz_pairs(wanted + BLOCK)?;
+        // With a shift, the zero-energy modes dominate the projected operator, and its round-off mixes the higher modes with their
+        // neighbours: keep those too, and let the Rayleigh-Ritz step with the true stiffness part them. Solves take whole blocks.
+        let (_, shapes) = krylov.ritz_pairs((wanted + self.room()).next_multiple_of(BLOCK))?;
         let size = krylov.size() - n_known;
         // What follows takes as much memory.
         drop(krylov);

@@ -8,7 +8,7 @@
 use crate::Error;
 use crate::full_modes::{LinearCheck, frequencies_with_springs};
 use crate::interior::{Interior, Retained};
-use crate::part_modes::{condense_with_modes, modes_of_parts};
+use crate::part_modes::condense_with_modes;
 use crate::relative::RelativeSystem;
 use crate::symmetry::Parts;
 use crate::zem::Supported;
@@ -237,8 +237,7 @@ pub fn reduce_with_modes(
     limits: Limits<'_>,
 ) -> Result<Reduction, Error> {
     let springs = check.map(|check| check.springs);
-    let parts = parts_of(system, springs, settings).separated();
-    reduce_parts(&parts, rows, settings, check, limits)
+    reduce_parts(parts_of(system, springs, settings), rows, settings, check, limits)
 }
 
 /// The modes of each part of the stuck structure that the basis of its reduction is made of; with a check, `springs` are those of it.
@@ -252,7 +251,7 @@ pub fn modes_of_basis(
     limits: Limits<'_>,
 ) -> Result<Vec<Modes>, Error> {
     let parts = parts_of(Cow::Borrowed(system), springs, settings);
-    Ok(reduce_parts(&parts, &[], settings, None, limits)?.modes)
+    Ok(reduce_parts(parts, &[], settings, None, limits)?.modes)
 }
 
 /// The parts of a reduction.
@@ -267,15 +266,18 @@ fn parts_of<'a>(system: Cow<'a, RelativeSystem>, springs: Option<&CsMat<f64>>, s
 }
 
 fn reduce_parts(
-    parts: &Parts<'_>,
+    mut parts: Parts<'_>,
     rows: &[Vec<f64>],
     settings: Settings,
     check: Option<LinearCheck<'_>>,
     limits: Limits<'_>,
 ) -> Result<Reduction, Error> {
     let n = settings.n_reported.max(settings.n_modes);
-    let of_part = |part, n, limits: Limits<'_>| ReducedPart::try_new(parts, part, n, rows, settings, check, limits);
-    let mut reduced = modes_of_parts(parts, n, limits, of_part, |part| &part.modes)?;
+    let separate = parts.separate();
+    let parts = &parts;
+    let mut reduced = parts.each(separate, limits, |part, system, limits: Limits<'_>| {
+        ReducedPart::try_new((parts, part), system, n, rows, settings, check, limits)
+    })?;
     let stuck: Vec<Modes> = (reduced.iter_mut())
         .map(|part| std::mem::replace(&mut part.modes, Modes::none(0)))
         .collect();
@@ -472,17 +474,16 @@ struct ReducedPart {
 }
 
 impl ReducedPart {
-    /// Of the part with this number, with its `n` lowest modes.
+    /// Of the part with this number and its system, with its `n` lowest modes.
     fn try_new(
-        parts: &Parts<'_>,
-        part: usize,
+        (parts, part): (&Parts<'_>, usize),
+        system: Cow<'_, RelativeSystem>,
         n: usize,
         rows: &[Vec<f64>],
         settings: Settings,
         check: Option<LinearCheck<'_>>,
         limits: Limits<'_>,
     ) -> Result<Self, Error> {
-        let system = parts.system(part);
         let kept = kept(&system, settings);
         let (supported, mut condensed, modes) = condense_with_modes(
             &system,
@@ -504,9 +505,9 @@ impl ReducedPart {
             None => Vec::new(),
         };
         let acting = acting_loads(parts, part, settings);
-        let basis = Basis::new(&system, supported, &modes, &acting);
+        let basis = Basis::new(system, supported, &modes, &acting);
         let asymmetry = basis.static_part.asymmetry(&condensed)?;
-        let loads = basis.onto(&system.loads);
+        let loads = basis.onto(&basis.static_part.system.loads);
         let recovery = basis.onto(&parts.onto(part, rows));
         let Basis {
             static_part,
@@ -516,7 +517,7 @@ impl ReducedPart {
         } = basis;
         let overlap = product(static_part.supported.mass_modes.transpose(), shapes.as_ref());
         let coupling = static_part.momentum(shapes.as_ref()) - product(momentum.as_ref(), overlap.as_ref());
-        // The factor takes more memory than all that follows.
+        // System and factor take more memory than all that follows.
         drop(static_part);
         if let SystemMatrix::Dense(mass) = &mut condensed.mass {
             add_product_lower(mass.as_mut(), momentum.as_ref(), momentum.transpose(), -1.0);
@@ -649,22 +650,19 @@ fn displacements_of_parts(
     motions: MatRef<'_, f64>,
     limits: Limits<'_>,
 ) -> Result<Mat<f64>, Error> {
-    let systems: Vec<_> = (0..parts.len()).map(|part| parts.system(part)).collect();
-    let n_rest = |system: &RelativeSystem| system.stiffness.rows() - system.n_relative;
-    let sizes = stuck.iter().map(|modes| modes.shapes.nrows());
-    if !sizes.eq(systems.iter().map(|system| n_rest(system))) {
-        return Err(Error::OtherModel { deviation: 1.0 });
-    }
-    let bases = parts.each(limits, |part, limits| {
-        let system = &systems[part];
-        let acting = acting_loads(parts, part, settings);
-        let zero_energy = stuck[part].zero_energy();
-        let supported = match acting.is_empty() {
-            true => Supported::try_new(system, zero_energy, limits)?,
-            // Signs of attachment modes follow from static responses, which must be those of the reduction to the last bit.
-            false => Supported::condense(system, zero_energy, &kept(system, settings), limits)?.0,
+    let bases = parts.each(Vec::new(), limits, |part, system, limits| {
+        let known = stuck.get(part).filter(|modes| modes.shapes.nrows() == system.n_rest());
+        let Some(known) = known.filter(|_| stuck.len() == parts.len()) else {
+            return Err(Error::OtherModel { deviation: 1.0 });
         };
-        Ok(Basis::new(system, supported, &stuck[part], &acting))
+        let acting = acting_loads(parts, part, settings);
+        let zero_energy = known.zero_energy();
+        let supported = match acting.is_empty() {
+            true => Supported::try_new(&system, zero_energy, limits)?,
+            // Signs of attachment modes follow from static responses, which must be those of the reduction to the last bit.
+            false => Supported::condense(&system, zero_energy, &kept(&system, settings), limits)?.0,
+        };
+        Ok(Basis::new(system, supported, known, &acting))
     })?;
     let retained = bases.iter().zip(retained(stuck, settings.n_modes));
     let retained = retained.map(|(basis, n_modes)| basis.interior.retained(n_modes));
@@ -710,10 +708,10 @@ struct Basis<'a> {
 }
 
 impl<'a> Basis<'a> {
-    fn new(system: &'a RelativeSystem, supported: Supported, stuck: &Modes, attached: &[usize]) -> Self {
+    fn new(system: Cow<'a, RelativeSystem>, supported: Supported, stuck: &Modes, attached: &[usize]) -> Self {
         let (nd, n_rest) = (system.n_relative, system.n_rest());
         let loads = Mat::from_fn(n_rest, attached.len(), |i, j| system.loads[attached[j]][nd + i]);
-        let (responses, momentum) = static_responses(&loads, system, &supported);
+        let (responses, momentum) = static_responses(&loads, &system, &supported);
         let modes = stuck.elastic();
         let n_modes = modes.ncols();
         let shapes = Mat::from_fn(n_rest, n_modes + attached.len(), |i, j| match j.checked_sub(n_modes) {
@@ -728,8 +726,8 @@ impl<'a> Basis<'a> {
             momentum.as_ref(),
         );
         let static_part = StaticPart {
-            system,
             jump_rest: system.jump_rest(&system.stiffness),
+            system,
             supported,
         };
         let momentum = static_part.momentum(static_part.supported.modes.as_ref());
@@ -775,7 +773,7 @@ fn over_rest(nd: usize, n_rest: usize, rows: &[Vec<f64>]) -> Mat<f64> {
 
 /// Products with the static responses `x` of the held rest to the jump.
 struct StaticPart<'a> {
-    system: &'a RelativeSystem,
+    system: Cow<'a, RelativeSystem>,
     /// The stiffness that couples the jump to the rest.
     jump_rest: CsMat<f64>,
     supported: Supported,

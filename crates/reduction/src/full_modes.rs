@@ -1,7 +1,7 @@
 //! Modes of the full structure: stuck, without contact, or with a linear interface.
 
 use crate::Error;
-use crate::part_modes::{modes_of_parts, modes_of_rest, with_held_jump};
+use crate::part_modes::{modes_of_rest, with_held_jump};
 use crate::relative::RelativeSystem;
 use crate::symmetry::Parts;
 use crate::zem::Supported;
@@ -44,9 +44,9 @@ pub fn full_modes(
     limits: Limits<'_>,
 ) -> Result<Modes, Error> {
     let parts = Parts::of(Cow::Borrowed(system), interface);
-    modes_of_whole(&parts, n, limits, |part, n, limits| {
+    modes_of_whole(&parts, n, limits, |part, system, limits| {
         // What is not needed any more would be in the way of the factor.
-        let (mut stiffness, mass, positions) = match parts.system(part) {
+        let (mut stiffness, mass, positions) = match system {
             Cow::Borrowed(own) => (
                 Cow::Borrowed(&own.stiffness),
                 Cow::Borrowed(&own.mass),
@@ -72,14 +72,14 @@ pub fn full_modes(
     })
 }
 
-/// The modes of all parts, over the whole: those without energy, and the `n` lowest of the others.
-fn modes_of_whole(
-    parts: &Parts<'_>,
+/// The modes of all parts, over the whole: those without energy, and the `n` lowest of the others, of which `of_part` finds as many of each part.
+fn modes_of_whole<'a>(
+    parts: &'a Parts<'_>,
     n: usize,
     limits: Limits<'_>,
-    of_part: impl Fn(usize, usize, Limits<'_>) -> Result<Modes, Error> + Sync,
+    of_part: impl Fn(usize, Cow<'a, RelativeSystem>, Limits<'_>) -> Result<Modes, Error> + Sync,
 ) -> Result<Modes, Error> {
-    let mut found = modes_of_parts(parts, n, limits, of_part, |modes| modes)?;
+    let mut found = parts.each(Vec::new(), limits, of_part)?;
     for (part, modes) in found.iter_mut().enumerate() {
         let own = std::mem::replace(&mut modes.shapes, Mat::zeros(0, 0));
         modes.shapes = parts.displacements(part, own);
@@ -130,10 +130,9 @@ pub fn stuck_frequencies(
 /// Failures of the factorisation or of the eigensolver; the `limits`.
 pub fn stuck_modes(system: &RelativeSystem, n: usize, tolerance: f64, limits: Limits<'_>) -> Result<Modes, Error> {
     let parts = Parts::of(Cow::Borrowed(system), None);
-    modes_of_whole(&parts, n, limits, |part, n, limits| {
-        let own = parts.system(part);
-        let nd = own.n_relative;
-        let mut modes = modes_of_rest(own, n, tolerance, limits)?;
+    modes_of_whole(&parts, n, limits, |_, system, limits| {
+        let nd = system.n_relative;
+        let mut modes = modes_of_rest(system, n, tolerance, limits)?;
         modes.shapes = with_held_jump(modes.shapes.as_ref(), nd);
         Ok(modes)
     })

@@ -1,8 +1,7 @@
-//! Lowest modes of the parts of a structure, and of one whose jump is held.
+//! Lowest modes of a structure whose jump is held.
 
 use crate::Error;
 use crate::relative::RelativeSystem;
-use crate::symmetry::Parts;
 use crate::zem::Supported;
 use dense_algebra::Limits;
 use faer::reborrow::ReborrowMut;
@@ -16,36 +15,6 @@ use std::borrow::Cow;
 
 /// Share of the time of condensing and of finding modes with the same factor that condensing takes.
 const CONDENSING: f64 = 0.7;
-
-/// What is found of each part, with `modes` among it: those without energy, and at least those that are among the `n` lowest of the others of all parts.
-/// `of_part` finds so many of a part, or all if there are fewer, within the limits for it.
-pub(crate) fn modes_of_parts<T: Send>(
-    parts: &Parts<'_>,
-    n: usize,
-    limits: Limits<'_>,
-    of_part: impl Fn(usize, usize, Limits<'_>) -> Result<T, Error> + Sync,
-    modes: impl Fn(&T) -> &Modes,
-) -> Result<Vec<T>, Error> {
-    // Parts have about as many each.
-    let share = match parts.len() {
-        1 => n,
-        _ => n.min(3 * n / 5 + 2),
-    };
-    let mut found = parts.each(limits, |part, limits| of_part(part, share, limits))?;
-    let elastic = |of: &T| modes(of).eigenvalues[modes(of).n_zero..].to_vec();
-    let mut all: Vec<f64> = found.iter().flat_map(elastic).collect();
-    all.sort_by(f64::total_cmp);
-    // At most the highest that is wanted.
-    let highest = all.get(n.saturating_sub(1)).copied().unwrap_or(f64::INFINITY);
-    for (part, of) in found.iter_mut().enumerate() {
-        let own = elastic(of);
-        let may_lack = own.len() == share && own.last().is_none_or(|last| *last < highest);
-        if share < n && may_lack {
-            *of = of_part(part, n, limits.of_part(part, parts.len()))?;
-        }
-    }
-    Ok(found)
-}
 
 /// Modes of the structure whose jump is held, over the rest.
 pub(crate) fn modes_of_rest(

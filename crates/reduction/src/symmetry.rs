@@ -41,8 +41,6 @@ pub(crate) struct Parts<'a> {
     whole: Cow<'a, RelativeSystem>,
     /// The symmetric and the antisymmetric one; none where the whole is the only part.
     over: Vec<Over>,
-    /// Their systems, where these are kept.
-    systems: Vec<RelativeSystem>,
 }
 
 /// Coordinates of a part.
@@ -61,7 +59,6 @@ impl<'a> Parts<'a> {
         Self {
             whole,
             over: Vec::new(),
-            systems: Vec::new(),
         }
     }
 
@@ -97,15 +94,26 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// Makes the systems of the parts in the place of the matrices of the whole, if that is no one else's: both would be in the way of the factors.
-    pub(crate) fn separated(mut self) -> Self {
-        if self.len() > 1 && matches!(self.whole, Cow::Owned(_)) {
-            self.systems = (0..self.len()).map(|part| self.system(part).into_owned()).collect();
-            let whole = self.whole.to_mut();
-            let shape = whole.stiffness.shape();
-            (whole.stiffness, whole.mass) = (CsMat::zero(shape), CsMat::zero(shape));
+    /// The systems of the parts in the place of the matrices of the whole, if that is no one else's: both would be in the way of the factors. None where
+    /// the whole keeps them.
+    pub(crate) fn separate(&mut self) -> Vec<RelativeSystem> {
+        if matches!(self.whole, Cow::Borrowed(_)) {
+            return Vec::new();
         }
-        self
+        let of_parts = (0..self.over.len()).map(|part| self.system(part).into_owned());
+        let mut systems: Vec<RelativeSystem> = of_parts.collect();
+        let whole = self.whole.to_mut();
+        let none = CsMat::zero(whole.stiffness.shape());
+        let stiffness = std::mem::replace(&mut whole.stiffness, none.clone());
+        let mass = std::mem::replace(&mut whole.mass, none);
+        if systems.is_empty() {
+            systems.push(RelativeSystem {
+                stiffness,
+                mass,
+                ..whole.clone()
+            });
+        }
+        systems
     }
 
     /// The whole; without its matrices once it is separated.
@@ -117,20 +125,24 @@ impl<'a> Parts<'a> {
         self.over.len().max(1)
     }
 
-    /// What `of` finds of each part within the limits for it.
-    pub(crate) fn each<T: Send>(
-        &self,
+    /// What `of` finds of each part, from its system and within the limits for it. The systems may be `separate` ones, which are given away.
+    pub(crate) fn each<'b, T: Send>(
+        &'b self,
+        separate: Vec<RelativeSystem>,
         limits: Limits<'_>,
-        of: impl Fn(usize, Limits<'_>) -> Result<T, Error> + Sync,
+        of: impl Fn(usize, Cow<'b, RelativeSystem>, Limits<'_>) -> Result<T, Error> + Sync,
     ) -> Result<Vec<T>, Error> {
+        let mut separate = separate.into_iter();
+        let systems = (0..self.len()).map(|part| (part, separate.next().map_or_else(|| self.system(part), Cow::Owned)));
         let is_small = self.whole.stiffness.rows() <= SIDE_BY_SIDE;
         if is_small && limits.memory().is_none_or(|memory| memory >= PLENTY) {
             // All are about as far as the whole.
-            let found = (0..self.len()).into_par_iter().map(|part| of(part, limits));
+            let systems: Vec<_> = systems.collect();
+            let found = systems.into_par_iter().map(|(part, system)| of(part, system, limits));
             return found.collect::<Vec<_>>().into_iter().collect();
         }
-        (0..self.len())
-            .map(|part| of(part, limits.of_part(part, self.len())))
+        systems
+            .map(|(part, system)| of(part, system, limits.of_part(part, self.len())))
             .collect()
     }
 
@@ -147,9 +159,6 @@ impl<'a> Parts<'a> {
 
     /// The system of a part.
     pub(crate) fn system(&self, part: usize) -> Cow<'_, RelativeSystem> {
-        if let Some(system) = self.systems.get(part) {
-            return Cow::Borrowed(system);
-        }
         let Some(over) = self.over.get(part) else {
             return Cow::Borrowed(&self.whole);
         };

@@ -1,6 +1,7 @@
 //! Files with a checksum over all of their bytes.
 
-use crate::durable::{Error, sha256, write};
+use crate::durable::write::write_all;
+use crate::durable::{Error, sha256};
 use std::path::Path;
 
 /// Length of the line before the contents: SHA-256 as text, and the end of the line.
@@ -8,11 +9,12 @@ const SEAL: usize = 65;
 
 /// Contents behind a line with their checksum.
 pub fn seal(contents: &[u8]) -> Vec<u8> {
-    let mut sealed = Vec::with_capacity(SEAL + contents.len());
-    sealed.extend_from_slice(sha256(contents).as_bytes());
-    sealed.push(b'\n');
-    sealed.extend_from_slice(contents);
-    sealed
+    [line(contents).as_bytes(), contents].concat()
+}
+
+/// The line before contents.
+fn line(contents: &[u8]) -> String {
+    sha256(contents) + "\n"
 }
 
 /// The contents behind a checksum; none unless every bit is as it was sealed.
@@ -27,7 +29,8 @@ pub fn unseal(sealed: &[u8]) -> Option<&[u8]> {
 /// # Errors
 /// [`Error::File`].
 pub fn write_sealed(path: &Path, contents: &[u8]) -> Result<(), Error> {
-    write(path, &seal(contents))
+    // Contents may be large: no copy of them is made.
+    write_all(path, &[line(contents).as_bytes(), contents])
 }
 
 /// Contents of a file that [`write_sealed`] wrote. Damaged and foreign files count as absent.

@@ -19,6 +19,11 @@ pub(crate) const SUFFIX: &str = ".part";
 /// # Errors
 /// [`Error::File`]; the file is as it was then, and the temporary one is gone.
 pub fn write(path: &Path, contents: &[u8]) -> Result<(), Error> {
+    write_all(path, &[contents])
+}
+
+/// As [`write`], of contents one after the other.
+pub(crate) fn write_all(path: &Path, contents: &[&[u8]]) -> Result<(), Error> {
     let folder = match path.parent() {
         Some(parent) if parent != Path::new("") => parent,
         _ => Path::new("."),
@@ -27,7 +32,8 @@ pub fn write(path: &Path, contents: &[u8]) -> Result<(), Error> {
     remove_abandoned(folder);
     let mut part = held_part(folder)?;
     // Dropping the part removes it.
-    part.write_all(contents)
+    (contents.iter())
+        .try_for_each(|contents| part.write_all(contents))
         .and_then(|()| part.as_file().sync_all())
         .map_err(|source| Error::file(path, "writing", source))?;
     std::fs::rename(part.path(), path).map_err(|source| Error::file(path, "moving into place", source))?;
