@@ -650,19 +650,21 @@ fn displacements_of_parts(
     motions: MatRef<'_, f64>,
     limits: Limits<'_>,
 ) -> Result<Mat<f64>, Error> {
+    if stuck.len() != parts.len() {
+        return Err(Error::OtherModel { deviation: 1.0 });
+    }
     let bases = parts.each(Vec::new(), limits, |part, system, limits| {
-        let known = stuck.get(part).filter(|modes| modes.shapes.nrows() == system.n_rest());
-        let Some(known) = known.filter(|_| stuck.len() == parts.len()) else {
+        if stuck[part].shapes.nrows() != system.n_rest() {
             return Err(Error::OtherModel { deviation: 1.0 });
-        };
+        }
         let acting = acting_loads(parts, part, settings);
-        let zero_energy = known.zero_energy();
+        let zero_energy = stuck[part].zero_energy();
         let supported = match acting.is_empty() {
             true => Supported::try_new(&system, zero_energy, limits)?,
             // Signs of attachment modes follow from static responses, which must be those of the reduction to the last bit.
             false => Supported::condense(&system, zero_energy, &kept(&system, settings), limits)?.0,
         };
-        Ok(Basis::new(system, supported, known, &acting))
+        Ok(Basis::new(system, supported, &stuck[part], &acting))
     })?;
     let retained = bases.iter().zip(retained(stuck, settings.n_modes));
     let retained = retained.map(|(basis, n_modes)| basis.interior.retained(n_modes));

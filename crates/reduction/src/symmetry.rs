@@ -132,17 +132,23 @@ impl<'a> Parts<'a> {
         limits: Limits<'_>,
         of: impl Fn(usize, Cow<'b, RelativeSystem>, Limits<'_>) -> Result<T, Error> + Sync,
     ) -> Result<Vec<T>, Error> {
+        let of = |part: usize, own: Option<RelativeSystem>, limits: Limits<'_>| {
+            let system = own.map_or_else(|| self.system(part), Cow::Owned);
+            of(part, system, limits)
+        };
         let mut separate = separate.into_iter();
-        let systems = (0..self.len()).map(|part| (part, separate.next().map_or_else(|| self.system(part), Cow::Owned)));
+        let parts = (0..self.len()).map(|part| (part, separate.next()));
         let is_small = self.whole.stiffness.rows() <= SIDE_BY_SIDE;
         if is_small && limits.memory().is_none_or(|memory| memory >= PLENTY) {
             // All are about as far as the whole.
-            let systems: Vec<_> = systems.collect();
-            let found = systems.into_par_iter().map(|(part, system)| of(part, system, limits));
+            let found = parts
+                .collect::<Vec<_>>()
+                .into_par_iter()
+                .map(|(part, own)| of(part, own, limits));
             return found.collect::<Vec<_>>().into_iter().collect();
         }
-        systems
-            .map(|(part, system)| of(part, system, limits.of_part(part, self.len())))
+        parts
+            .map(|(part, own)| of(part, own, limits.of_part(part, self.len())))
             .collect()
     }
 
