@@ -8,7 +8,7 @@
 use crate::Error;
 use crate::full_modes::{LinearCheck, frequencies_with_springs};
 use crate::interior::{Interior, Retained};
-use crate::part_modes::condense_with_modes;
+use crate::part_modes::{condense_with_modes, modes_of_parts};
 use crate::relative::RelativeSystem;
 use crate::symmetry::Parts;
 use crate::zem::Supported;
@@ -275,9 +275,10 @@ fn reduce_parts(
     let n = settings.n_reported.max(settings.n_modes);
     let separate = parts.separate();
     let parts = &parts;
-    let mut reduced = parts.each(separate, limits, |part, system, limits: Limits<'_>| {
+    let of_part = |part, system: Cow<'_, RelativeSystem>, n, limits: Limits<'_>| {
         ReducedPart::try_new((parts, part), system, n, rows, settings, check, limits)
-    })?;
+    };
+    let mut reduced = modes_of_parts(parts, separate, n, limits, of_part, |part| &part.modes)?;
     let stuck: Vec<Modes> = (reduced.iter_mut())
         .map(|part| std::mem::replace(&mut part.modes, Modes::none(0)))
         .collect();

@@ -1,7 +1,7 @@
 //! Modes of the full structure: stuck, without contact, or with a linear interface.
 
 use crate::Error;
-use crate::part_modes::{modes_of_rest, with_held_jump};
+use crate::part_modes::{modes_of_parts, modes_of_rest, with_held_jump};
 use crate::relative::RelativeSystem;
 use crate::symmetry::Parts;
 use crate::zem::Supported;
@@ -44,7 +44,7 @@ pub fn full_modes(
     limits: Limits<'_>,
 ) -> Result<Modes, Error> {
     let parts = Parts::of(Cow::Borrowed(system), interface);
-    modes_of_whole(&parts, n, limits, |part, system, limits| {
+    modes_of_whole(&parts, n, limits, |part, system, n, limits| {
         // What is not needed any more would be in the way of the factor.
         let (mut stiffness, mass, positions) = match system {
             Cow::Borrowed(own) => (
@@ -72,14 +72,14 @@ pub fn full_modes(
     })
 }
 
-/// The modes of all parts, over the whole: those without energy, and the `n` lowest of the others, of which `of_part` finds as many of each part.
+/// The modes of all parts, over the whole: those without energy, and the `n` lowest of the others.
 fn modes_of_whole<'a>(
     parts: &'a Parts<'_>,
     n: usize,
     limits: Limits<'_>,
-    of_part: impl Fn(usize, Cow<'a, RelativeSystem>, Limits<'_>) -> Result<Modes, Error> + Sync,
+    of_part: impl Fn(usize, Cow<'a, RelativeSystem>, usize, Limits<'_>) -> Result<Modes, Error> + Sync,
 ) -> Result<Modes, Error> {
-    let mut found = parts.each(Vec::new(), limits, of_part)?;
+    let mut found = modes_of_parts(parts, Vec::new(), n, limits, of_part, |modes| modes)?;
     for (part, modes) in found.iter_mut().enumerate() {
         let own = std::mem::replace(&mut modes.shapes, Mat::zeros(0, 0));
         modes.shapes = parts.displacements(part, own);
@@ -130,7 +130,7 @@ pub fn stuck_frequencies(
 /// Failures of the factorisation or of the eigensolver; the `limits`.
 pub fn stuck_modes(system: &RelativeSystem, n: usize, tolerance: f64, limits: Limits<'_>) -> Result<Modes, Error> {
     let parts = Parts::of(Cow::Borrowed(system), None);
-    modes_of_whole(&parts, n, limits, |_, system, limits| {
+    modes_of_whole(&parts, n, limits, |_, system, n, limits| {
         let nd = system.n_relative;
         let mut modes = modes_of_rest(system, n, tolerance, limits)?;
         modes.shapes = with_held_jump(modes.shapes.as_ref(), nd);

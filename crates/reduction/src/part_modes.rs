@@ -1,7 +1,8 @@
-//! Lowest modes of a structure whose jump is held.
+//! Lowest modes of the parts of a structure, and of one whose jump is held.
 
 use crate::Error;
 use crate::relative::RelativeSystem;
+use crate::symmetry::Parts;
 use crate::zem::Supported;
 use dense_algebra::Limits;
 use faer::reborrow::ReborrowMut;
@@ -15,6 +16,39 @@ use std::borrow::Cow;
 
 /// Share of the time of condensing and of finding modes with the same factor that condensing takes.
 const CONDENSING: f64 = 0.7;
+
+/// What is found of each part, with `modes` among it: those without energy, and at least those that are among the `n` lowest of the others of all parts.
+/// `of_part` finds so many of a part, or all if there are fewer, from its system and within the limits for it. Systems may be `separate` ones ([`Parts::each`]).
+pub(crate) fn modes_of_parts<'a, T: Send>(
+    parts: &'a Parts<'_>,
+    separate: Vec<RelativeSystem>,
+    n: usize,
+    limits: Limits<'_>,
+    of_part: impl Fn(usize, Cow<'a, RelativeSystem>, usize, Limits<'_>) -> Result<T, Error> + Sync,
+    modes: impl Fn(&T) -> &Modes,
+) -> Result<Vec<T>, Error> {
+    // Parts have about as many each. Large ones, whose systems may be given away, cannot be asked again.
+    let share = match parts.len() > 1 && parts.are_small() {
+        true => n.min(3 * n / 5 + 2),
+        false => n,
+    };
+    let mut found = parts.each(separate, limits, |part, system, limits| {
+        of_part(part, system, share, limits)
+    })?;
+    let elastic = |of: &T| modes(of).eigenvalues[modes(of).n_zero..].to_vec();
+    let mut all: Vec<f64> = found.iter().flat_map(elastic).collect();
+    all.sort_by(f64::total_cmp);
+    // At most the highest that is wanted.
+    let highest = all.get(n.saturating_sub(1)).copied().unwrap_or(f64::INFINITY);
+    for (part, of) in found.iter_mut().enumerate() {
+        let own = elastic(of);
+        let may_lack = own.len() == share && own.last().is_none_or(|last| *last < highest);
+        if share < n && may_lack {
+            *of = of_part(part, parts.system(part), n, limits.of_part(part, parts.len()))?;
+        }
+    }
+    Ok(found)
+}
 
 /// Modes of the structure whose jump is held, over the rest.
 pub(crate) fn modes_of_rest(

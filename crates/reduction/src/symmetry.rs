@@ -94,10 +94,10 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// The systems of the parts in the place of the matrices of the whole, if that is no one else's: both would be in the way of the factors. None where
+    /// The systems of large parts in the place of the matrices of the whole, if that is no one else's: both would be in the way of the factors. None where
     /// the whole keeps them.
     pub(crate) fn separate(&mut self) -> Vec<RelativeSystem> {
-        if matches!(self.whole, Cow::Borrowed(_)) {
+        if self.are_small() || matches!(self.whole, Cow::Borrowed(_)) {
             return Vec::new();
         }
         let of_parts = (0..self.over.len()).map(|part| self.system(part).into_owned());
@@ -125,6 +125,11 @@ impl<'a> Parts<'a> {
         self.over.len().max(1)
     }
 
+    /// Whether they may be worked on side by side.
+    pub(crate) fn are_small(&self) -> bool {
+        self.whole.stiffness.rows() <= SIDE_BY_SIDE
+    }
+
     /// What `of` finds of each part, from its system and within the limits for it. The systems may be `separate` ones, which are given away.
     pub(crate) fn each<'b, T: Send>(
         &'b self,
@@ -138,8 +143,7 @@ impl<'a> Parts<'a> {
         };
         let mut separate = separate.into_iter();
         let parts = (0..self.len()).map(|part| (part, separate.next()));
-        let is_small = self.whole.stiffness.rows() <= SIDE_BY_SIDE;
-        if is_small && limits.memory().is_none_or(|memory| memory >= PLENTY) {
+        if self.are_small() && limits.memory().is_none_or(|memory| memory >= PLENTY) {
             // All are about as far as the whole.
             let found = parts
                 .collect::<Vec<_>>()
