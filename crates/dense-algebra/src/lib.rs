@@ -201,6 +201,14 @@ pub fn add_product_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f
     tiles::add_lower(c, a, b, factor);
 }
 
+/// `c += factor a L` of a lower triangle `L`, above which there are zeros.
+///
+/// # Panics
+/// If the shapes do not fit.
+pub fn add_product_with_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, lower: MatRef<'_, f64>, factor: f64) {
+    tiles::add_with_lower(c, a, lower, factor);
+}
+
 /// Copies the lower triangle to the upper one.
 ///
 /// # Panics

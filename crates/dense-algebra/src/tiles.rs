@@ -157,6 +157,28 @@ pub(crate) fn add_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f6
         });
 }
 
+/// `c += factor a L` of a lower triangle `L`, with zeros above.
+pub(crate) fn add_with_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, lower: MatRef<'_, f64>, factor: f64) {
+    let size = lower.nrows();
+    assert_eq!(
+        (c.ncols(), a.nrows(), a.ncols(), lower.ncols()),
+        (size, c.nrows(), size, size)
+    );
+    let part = |tile: MatMut<'_, f64>, first: usize| {
+        let rows = size - first;
+        let lower = lower.submatrix(first, first, rows, tile.ncols());
+        matmul(tile, Accum::Add, a.subcols(first, rows), lower, factor, Par::Seq);
+    };
+    if is_small(c.nrows() * size / 2 * size) {
+        part(c, 0);
+        return;
+    }
+    let tiles: Vec<_> = c.par_col_chunks_mut(TILE).collect();
+    // One by one: the first are the longest.
+    let tiles = tiles.into_par_iter().enumerate().with_max_len(1);
+    tiles.for_each(|(at, tile)| part(tile, at * TILE));
+}
+
 /// `x = L^-1 x` or, `transposed`, `x = L^-T x`.
 pub(crate) fn solve(lower: MatRef<'_, f64>, x: MatMut<'_, f64>, transposed: bool) {
     let size = lower.nrows();

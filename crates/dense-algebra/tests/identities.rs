@@ -1,9 +1,9 @@
 //! Factors and eigenpairs against the equations that define them, at sizes on both sides of the block thresholds.
 
 use dense_algebra::{
-    Error, ReflectedInverse, Reflection, Symmetric, add_product, add_product_lower, cholesky, cholesky_in_place,
-    congruent, lowest_pairs, mirror_lower, product, rank, semidefinite_factor, solve_general, solve_lower,
-    solve_lower_transposed, symmetric_eigen, symmetric_eigenvalues, symmetric_pair,
+    Error, ReflectedInverse, Reflection, Symmetric, add_product, add_product_lower, add_product_with_lower, cholesky,
+    cholesky_in_place, congruent, lowest_pairs, mirror_lower, product, rank, semidefinite_factor, solve_general,
+    solve_lower, solve_lower_transposed, symmetric_eigen, symmetric_eigenvalues, symmetric_pair,
 };
 use faer::Mat;
 
@@ -279,6 +279,14 @@ fn what_is_cut_into_tiles_is_what_it_is_in_one_piece() {
             };
             assert!((sum[(i, j)] - expected).abs() < 1e-11, "{i} {j}");
         }
+    }
+    for columns in [7, n] {
+        let triangle = lower.submatrix(0, 0, columns, columns);
+        let left = a.subcols(n - columns, columns);
+        let mut sum = a.subcols(0, columns).to_owned();
+        add_product_with_lower(sum.as_mut(), left, triangle, -0.5);
+        let expected = a.subcols(0, columns) - faer::Scale(0.5) * product(left, triangle);
+        assert!((sum - expected).norm_max() < 1e-11, "{columns}");
     }
     // Each column of the inverse, of all tiles.
     let inverse = Symmetric::inverse_of_factor(lower.as_ref());

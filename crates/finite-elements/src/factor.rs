@@ -13,8 +13,8 @@ use crate::groups::{Completed, Grouping, Groups, joined};
 use crate::ordering::{Dissection, Ordered, Part, nested_dissection};
 use crate::sparse::{LANES, sum};
 use dense_algebra::{
-    Limits, SystemMatrix, add_product, add_product_lower, cholesky_in_place, mirror_lower, product_into, solve_lower,
-    solve_lower_transposed,
+    Limits, SystemMatrix, add_product, add_product_lower, add_product_with_lower, cholesky_in_place, mirror_lower,
+    product_into, solve_lower, solve_lower_transposed,
 };
 use faer::reborrow::{Reborrow, ReborrowMut};
 use faer::{Mat, MatMut, MatRef};
@@ -571,12 +571,15 @@ impl<'a> Elimination<'a> {
         let mut matrices = vec![update];
         if self.n_matrices() > 1 {
             let mut mass = self.assemble(1, &rows, &beyond, &mut children);
-            mirror_lower(mass.own.as_mut());
+            // Half of the own mass: a triangle that makes it up with its transpose.
+            for row in 0..rows.len() {
+                mass.own[(row, row)] *= 0.5;
+            }
             // The rows follow those beyond by follow^T: their momentum, and that of the rows beyond, is felt there.
             let mut follow = below.clone();
             solve_lower_transposed(lower.as_ref(), follow.transpose_mut());
             tally.add(follow_up)?;
-            add_product(mass.below.as_mut(), follow.as_ref(), mass.own.as_ref(), -0.5);
+            add_product_with_lower(mass.below.as_mut(), follow.as_ref(), mass.own.as_ref(), -1.0);
             tally.add(momentum)?;
             add_product_lower(mass.update.as_mut(), follow.as_ref(), mass.below.transpose(), -1.0);
             tally.add(0.5 * twice)?;
@@ -653,7 +656,7 @@ fn operations([own, below]: [f64; 2], n_matrices: usize) -> [f64; 6] {
         solve,
         product,
         mass * solve,
-        mass * 2.0 * solve,
+        mass * solve,
         mass * 2.0 * product,
     ]
 }

@@ -7,6 +7,7 @@ use finite_elements::eigen::lowest_modes_within;
 use finite_elements::factor::{BLOCK, SparseCholesky};
 use finite_elements::groups::Groups;
 use finite_elements::ordering::nested_dissection;
+use finite_elements::sets::DisjointSets;
 use sprs::{CsMat, TriMat};
 use std::collections::BTreeSet;
 use std::sync::Mutex;
@@ -176,6 +177,49 @@ fn a_long_bar_is_eliminated_from_its_ends() {
         height[number] = 1 + part.children.iter().map(|&child| height[child]).max().unwrap_or(0);
     }
     assert!(height.iter().max() < Some(&90), "{:?}", height.iter().max());
+}
+
+#[test]
+fn the_rows_of_a_part_hang_together_by_what_is_eliminated_before() {
+    // A bar with a slit from its middle third to its end: separators that change places are cut by one another.
+    let (bar, positions) = block([90, 6, 8], 0);
+    let mut slit = TriMat::new(bar.shape());
+    for (value, (i, j)) in &bar {
+        let ([x, _, z], [other, _, above]) = (positions[i], positions[j]);
+        if x.max(other) < 30.0 || (z < 4.0) == (above < 4.0) {
+            slit.add_triplet(i, j, *value);
+        }
+    }
+    let matrix: CsMat<f64> = slit.to_csr();
+    for n_kept in [0, 3 * 90 * 6] {
+        let dissection = nested_dissection(&matrix, &positions, n_kept);
+        let mut position: Vec<usize> = (dissection.order.len()..).take(matrix.rows()).collect();
+        for (at, &row) in dissection.order.iter().enumerate() {
+            position[row] = at;
+        }
+        let mut beyond: Vec<BTreeSet<usize>> = Vec::new();
+        for part in &dissection.parts {
+            let mut sets = DisjointSets::new(part.rows.len());
+            let place = |at: &usize| part.rows.contains(at).then(|| (at - part.rows.start) as u32);
+            let mut touched = BTreeSet::new();
+            for (own, &row) in dissection.order[part.rows.clone()].iter().enumerate() {
+                let others = matrix.outer_view(row).unwrap();
+                let others = others.indices().iter().map(|&other| position[other]);
+                touched.extend(others.clone());
+                others
+                    .filter_map(|at| place(&at))
+                    .for_each(|other| sets.join(own as u32, other));
+            }
+            for &child in &part.children {
+                let own: Vec<u32> = beyond[child].iter().filter_map(place).collect();
+                assert!(!own.is_empty(), "a child touches its parent");
+                own.iter().for_each(|&other| sets.join(own[0], other));
+                touched.extend(&beyond[child]);
+            }
+            assert!((0..part.rows.len() as u32).all(|own| sets.root(own) == 0));
+            beyond.push(touched.range(part.rows.end..).copied().collect());
+        }
+    }
 }
 
 #[test]
